@@ -1,12 +1,14 @@
 """Missions, our pilot, runs and their verdicts, recordings, campaigns, the command line.
 
-The names of `__all__` are the public ones; docs/python.md shows them at work.
+The names in `__all__` are public, and docs/python.md shows how to use them. They are imported on
+first use, because each of them loads a large part of the stack.
 """
 
 from typing import TYPE_CHECKING
 
 from aeroscene.lazy import public_names
 
+# Type checkers read the imports; at run time each name is imported when it is first used.
 if TYPE_CHECKING:
     from scenarios.environments import (
         EnvironmentCfg,

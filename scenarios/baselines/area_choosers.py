@@ -1,7 +1,7 @@
 """Baselines for goals in words: our pilot, flown to an area that a simple rule chooses.
 
-Each of them knows where all areas are, also where the map is not given. So they differ in what they
-make of the text and in nothing else.
+Each of them knows all areas, even if the map is not given, and flies with the same pilot. They
+therefore differ in the use of the text and in nothing else.
 """
 
 from __future__ import annotations
@@ -24,20 +24,24 @@ from scenarios.words.site import site_of
 from scenarios.words.vocabulary import NOUNS
 
 Rule = Callable[[Aboard, Insight], Sequence[InteractionArea]]
-"""Areas to fly to, the best first; the next one is taken where no plan leads to the one before."""
+"""Function that returns the areas to fly to, the best first. If no plan leads to one, the next is
+taken."""
 _MOST_PLANS = 8
 
 
 @dataclass(frozen=True)
 class AreaChooser:
-    """Makes our pilot fly to the first area of a rule."""
+    """Maker of pilots that fly to the first area of a rule."""
 
     rule: Rule
     has_insight: bool = True
-    """Read by the run: see `Aboard.insight`."""
+    """Mark that the run reads, so that it gives `Aboard.insight` to the pilot."""
 
     def __call__(self, aboard: Aboard) -> Pilot:
-        """A pilot for a flight.
+        """Return a pilot for one flight.
+
+        Args:
+            aboard: Equipment, with the insight into the scene.
 
         Raises:
             TestbenchError: If the goal is not in words, or no area can be flown to.
@@ -60,21 +64,23 @@ class AreaChooser:
             except MissionError as error:
                 fault = error
                 continue
+            # Without alternates, which our pilot would fly to without asking the rule.
             return Pilot(aboard.client, replace(mission, alternates=()), aboard.render)
         raise TestbenchError(str(fault)) from fault
 
 
 def at_random(aboard: Aboard, insight: Insight) -> Sequence[InteractionArea]:
-    """Any area that the vehicle fits on, with equal chance, whatever the text says."""
+    """Return the areas that the vehicle fits on in random order, whatever the text says."""
     areas = fitting_areas(insight.scene, aboard.airframe)
+    # The text is part of the seed, so that two goals in one scene get different draws.
     order = generator(0, insight.scene.scene_id, "random area", aboard.text).permutation(len(areas))
     return [areas[i] for i in order]
 
 
 def nearest_of_kind(aboard: Aboard, insight: Insight) -> Sequence[InteractionArea]:
-    """The areas on things of the kind that the text names first, the nearest to the start first.
+    """Return the areas on places of the kind that the text names first, the nearest first.
 
-    It reads one word of the text.
+    The rule reads one noun of the text. Distances are from the start of the flight.
     """
     kind = first_kind(aboard.text)
     site = site_of(insight.scene)
@@ -88,16 +94,20 @@ def nearest_of_kind(aboard: Aboard, insight: Insight) -> Sequence[InteractionAre
 
 
 def of_the_one(aboard: Aboard, insight: Insight) -> Sequence[InteractionArea]:
-    """The areas of the only place that the text fits, by perfect perception and perfect reading.
+    """Return the areas of the only place that the text fits, by perfect perception and reading.
 
-    It evaluates the meaning of the text on the scene graph itself, without segmentation and without
-    reading English: a bound for every pilot that looks and reads.
+    The rule evaluates the meaning of the text on the scene graph itself, without segmentation and
+    without reading English. It is therefore an upper bound for every pilot that looks and reads.
     """
     return perceived_areas(insight.scene, insight.description, aboard.airframe)
 
 
 def first_kind(text: str) -> str | None:
-    """Kind of the noun that comes first in a text, the longest one of several; None without any."""
+    """Return the kind of the first noun of a text, None without any.
+
+    Args:
+        text: Goal in words. If two nouns begin at the same word, the longer one counts.
+    """
     found = [
         (match.start(), -len(noun), kind)
         for kind, (noun, _) in NOUNS.items()

@@ -1,4 +1,4 @@
-"""Pilots by the names that a user gives them."""
+"""Pilots by the names with which a user asks for them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MakePilot = Callable[["Aboard"], "Companion"]
 OURS = "demo"
 PLANNERS: Mapping[str, Method] = {OURS: "optimise", "mueller": "primitives"}
-"""Our pilot's names, and what makes its trajectories under each."""
+"""Our pilot's names, and its method of planning under each."""
 BASELINES: Mapping[str, str] = {
     "potential": "scenarios.baselines.potential_pilot:PotentialFieldPilot",
     "straight": "scenarios.baselines.straight_line:StraightLinePilot",
@@ -28,45 +28,50 @@ BASELINES: Mapping[str, str] = {
     "nearest": "scenarios.baselines.area_choosers:NEAREST",
     "perfect": "scenarios.baselines.area_choosers:PERFECT",
 }
-"""Classes that ship beside ours, to tell flight stacks apart by."""
+"""Baselines that ship, as MODULE:CLASS, so that only the one that flies is imported."""
 VLM = "vlm"
 """Pilot that a vision-language model steers, behind an address that the user names."""
 READERS = frozenset(("random", "nearest", "perfect", VLM))
-"""Pilots that choose their area by a text, and fly to no other goals."""
+"""Pilots that choose their area by a text, and cannot fly to other goals."""
 SHIPPED = frozenset((*PLANNERS, *BASELINES, VLM))
-"""Pilots that need no code but ours."""
+"""Pilots that need no code of the user's."""
 
 
 class PilotError(ValueError):
-    """There is no pilot of a name; one line says why, and what would be valid."""
+    """There is no pilot of a name; the message says why, and what would be valid."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class NamedPilot:
-    """Who flies: ours by one of its planners, or a class of anybody's."""
+    """A pilot that a user has named: ours with one of its planners, or any class."""
 
     make: MakePilot | None = None
-    """Makes the pilot; None is ours."""
+    """Function or class that makes the pilot; None is ours."""
     planner: Method = "optimise"
-    """What makes our pilot's trajectories."""
+    """Method by which our pilot plans trajectories."""
 
     def brief(self, cfg: SitlCfg) -> SitlCfg:
-        """The configuration of a run, with this pilot in it as far as it is ours."""
+        """Return a run's configuration that asks for our pilot and its planner, if this is ours.
+
+        Args:
+            cfg: Configuration of the run.
+        """
         return replace(cfg, demo=self.make is None, planner=self.planner)
 
 
 def pilot_of(text: str, option: str = "pilot", chat: ChatModel | None = None) -> NamedPilot:
-    """The pilot that a user names.
+    """Return the pilot that a user names.
 
     Args:
-        text: A name that ships, or `MODULE:CLASS`; modules are looked for where the command was
-            started too.
+        text: A name that ships, or `MODULE:CLASS`. Modules are also searched for in the folder in
+            which the command was started.
         option: Name of the option that asks for it, for the message.
         chat: Model that steers the pilot `vlm`; None for all others.
 
     Raises:
         PilotError: If there is no such pilot.
     """
+    # A model without the pilot is refused too, because it would be ignored silently.
     if (text == VLM) != (chat is not None):
         name = "no endpoint" if chat is None else f"endpoint {chat.endpoint!r}"
         raise PilotError(f"{option} is {text!r} with {name}; valid: --pilot vlm --endpoint URL")
@@ -79,7 +84,8 @@ def pilot_of(text: str, option: str = "pilot", chat: ChatModel | None = None) ->
     module, _, name = BASELINES.get(text, text).partition(":")
     if not module or not name.isidentifier():
         raise PilotError(f"{option} is {text!r}; {valid}")
-    # Only for a module of the user's own: what lies beside a shared folder is not ours to import.
+    # Only for a module of the user's own. For a baseline, a file of the same name in a shared
+    # folder must not be imported.
     if text not in BASELINES and (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)
     try:
@@ -93,10 +99,10 @@ def pilot_of(text: str, option: str = "pilot", chat: ChatModel | None = None) ->
 
 
 def _steered_by(chat: ChatModel) -> NamedPilot:
-    """The pilot that a model steers.
+    """Return the pilot that a model steers.
 
     Raises:
-        PilotError: If the address is none.
+        PilotError: If the model's address is malformed.
     """
     from scenarios.baselines.vlm_pilot import VlmPilot
     from scenarios.chat.completions import ChatError

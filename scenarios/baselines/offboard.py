@@ -1,4 +1,8 @@
-"""Steps of a flight by offboard setpoints, as generators: each `yield` lasts one tick."""
+"""Steps of a flight by offboard set points, as generators: each `yield` lasts one tick.
+
+A flight is a sequence, but a pilot is called once a tick. Generators let the sequence be written
+from top to bottom: the pilot's `update` calls `next`, and `yield from` joins steps.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +18,29 @@ from scenarios.run.companion import Aboard
 
 TICK_S = 0.02
 _REST_S = 1.0
-"""Time at the end of a line, to come to rest."""
+"""Time at the end of a line in which the vehicle comes to rest."""
 
 
 def area_of(aboard: Aboard) -> InteractionArea:
-    """The assigned area, or else the roomiest one under open sky."""
+    """Return the assigned area, or else the roomiest one under open sky.
+
+    Args:
+        aboard: Equipment; its scene has at least one landing area.
+    """
+    # Clearance is capped where nothing is above, so areas under open sky share the greatest one.
     areas = aboard.scene.landing_areas
     return aboard.area or max(areas, key=lambda area: (area.clearance_m, area.radius))
 
 
 def take_control(client: MavlinkClient) -> Generator[None, None, Vector3]:
-    """Arm in offboard mode as soon as that is allowed, and return where the vehicle stands."""
+    """Arm in offboard mode as soon as that is allowed.
+
+    Args:
+        client: Companion's client.
+
+    Returns:
+        Estimated position at the start, ENU.
+    """
     state = client.telemetry
     client.request_streams()
     while not (state.has_state and state.is_armable and state.local_origin_enu_m):
@@ -39,7 +55,14 @@ def take_control(client: MavlinkClient) -> Generator[None, None, Vector3]:
 def fly_line(
     client: MavlinkClient, start_enu_m: Vector3, end_enu_m: Vector3, speed_mps: float
 ) -> Iterator[None]:
-    """Send setpoints along a line from rest to rest; the speed is the greatest one."""
+    """Send set points along a line, from rest to rest.
+
+    Args:
+        client: Companion's client, in offboard mode.
+        start_enu_m: Present position.
+        end_enu_m: End of the line.
+        speed_mps: Greatest speed, in the middle of the line.
+    """
     start, way = np.array(start_enu_m), np.subtract(end_enu_m, start_enu_m)
     # The smooth step is 1.5 times as fast in its middle as on average.
     n_ticks = math.ceil(1.5 * float(np.linalg.norm(way)) / speed_mps / TICK_S)
@@ -51,7 +74,12 @@ def fly_line(
 
 
 def land(client: MavlinkClient) -> Iterator[None]:
-    """Descend straight and land by the autopilot's own mode, until it has disarmed."""
+    """Descend straight down in the autopilot's own landing mode, until it has disarmed.
+
+    Args:
+        client: Companion's client.
+    """
     client.set_mode(PX4_LAND)
+    # The autopilot disarms by itself once it has detected the ground.
     while client.telemetry.is_armed:
         yield

@@ -1,7 +1,7 @@
 """Baseline without perception, map or planning: straight up, straight across, straight down.
 
-What it reaches is what a scene gives for nothing; what another pilot reaches beyond that is the
-pilot's.
+Its success rate is what a scene gives away for nothing. Only the success of another pilot beyond
+that rate is the pilot's own merit.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _SPEED_MPS = 2.5
 
 
 class StraightLinePilot:
-    """A `scenarios.Companion` that flies the straight line to the assigned area, whatever stands.
+    """A `scenarios.Companion` that flies straight to the assigned area, whatever is in between.
 
     Without an assigned area it chooses the roomiest one under open sky.
     """
@@ -31,15 +31,16 @@ class StraightLinePilot:
         self._flight = self._fly()
 
     def update(self, time_us: int) -> None:
-        """Read telemetry and fly on."""
+        """Read telemetry, and send the next set point."""
         self._client.update(time_us)
         self.is_done = self.is_done or next(self._flight, self) is self
 
     def _fly(self) -> Iterator[None]:
-        """The whole flight; each step is a tick."""
+        """Fly from take-off to landing; each step is a tick."""
         client = self._client
         x, y, z = start = yield from take_control(client)
         above_start = (x, y, z + _TAKEOFF_M)
+        # The line between the two points may climb or descend, and goes through whatever it meets.
         goal_x, goal_y, goal_z = self.area.centroid
         above_goal = (goal_x, goal_y, goal_z + _HOVER_M)
         yield from fly_line(client, start, above_start, _SPEED_MPS)

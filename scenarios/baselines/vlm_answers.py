@@ -1,4 +1,8 @@
-"""What a vision-language model is asked at each look around, and how its answer is read."""
+"""Questions to a vision-language model at each look around, and the parser of its answers.
+
+A model points at a pixel, and the depth image turns the pixel into a place, so the model need not
+estimate distances. The answer is one JSON object, whose type checks every range.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +32,7 @@ _MOST_SHOWN = 120
 
 
 class AnswerError(ValueError):
-    """An answer of a model is not understood; one line says why, and shows its beginning."""
+    """An answer of a model is not understood; the message says why, and shows its beginning."""
 
 
 class Choice(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -36,19 +40,19 @@ class Choice(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     action: Literal["land", "go", "climb", "give_up"]
     image: Annotated[int, msgspec.Meta(ge=0, le=63)] = 0
-    """Number of the image that the point is in."""
+    """Number of the image that has the point, from 0."""
     x: _Share = 0.5
-    """Place of the point from the left, as a share of the width."""
+    """Distance of the point from the left, as a share of the width."""
     y: _Share = 0.5
-    """Place of the point from the top, as a share of the height."""
+    """Distance of the point from the top, as a share of the height."""
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """One look around.
+    """Question after one look around.
 
     Attributes:
-        text: The goal, and what is to be known of the flight.
+        text: Goal, and a note about the last step.
         images: Colours of each image, uint8 (height, width, 3).
     """
 
@@ -56,7 +60,7 @@ class Question:
     images: Sequence[np.ndarray]
 
     def messages(self) -> list[dict[str, Any]]:
-        """The question in messages of the API."""
+        """Return the question as messages of the API, with the images as JPEG."""
         parts: list[dict[str, Any]] = [{"type": "text", "text": self.text}]
         for image in self.images:
             url = f"data:image/jpeg;base64,{base64.b64encode(_jpeg(image)).decode()}"
@@ -68,7 +72,8 @@ class Question:
 
 
 def schema() -> dict[str, Any]:
-    """JSON schema of an answer."""
+    """Return the JSON schema of an answer."""
+    # Without the reference that msgspec puts around a named type.
     (found,), components = msgspec.json.schema_components([Choice])
     return components[found["$ref"].rsplit("/", 1)[-1]] if "$ref" in found else found
 
@@ -77,13 +82,14 @@ def read_choice(content: str, n_images: int) -> Choice:
     """Read an answer.
 
     Args:
-        content: What the model says; words around one JSON object are left out.
+        content: Content of the model's message; words around the JSON object are ignored.
         n_images: Number of images that it was sent.
 
     Raises:
         AnswerError: If it holds no choice, or one of an image that is not there.
     """
     inner = without_fence(content)
+    # Models like to explain themselves before and after the object.
     first, last = inner.find("{"), inner.rfind("}")
     beginning = shown(inner[:_MOST_SHOWN])
     if first < 0 or last < first:
@@ -101,4 +107,5 @@ def read_choice(content: str, n_images: int) -> Choice:
 def _jpeg(image: np.ndarray) -> bytes:
     import cv2
 
+    # OpenCV's colours are blue, green, red.
     return cv2.imencode(".jpg", np.ascontiguousarray(image[..., ::-1]))[1].tobytes()

@@ -1,8 +1,9 @@
-"""Pilot that a vision-language model steers: it looks around, asks, and flies where it points.
+"""Pilot that a vision-language model steers: it looks around, asks, and flies as the model says.
 
 The model is behind any address that speaks `chat/completions` as OpenAI's does. Simulated time
-stands still while it thinks. The adapter adds little of its own: straight lines, a stop before what
-the depth image shows, and the autopilot's landing.
+stands still while it thinks, so that slow models are not punished. The adapter adds little of its
+own, because the model is to be judged: straight lines, a stop before obstacles in the depth image,
+and the autopilot's landing.
 """
 
 from __future__ import annotations
@@ -33,15 +34,15 @@ from scenarios.trials.verdict import Verdict
 
 MOST_LOOKS = 8
 N_VIEWS = 6
-"""Views ahead of one look around."""
+"""Views ahead in one look around, 60 degrees apart."""
 _TAKEOFF_M, _CLIMB_M, _HOVER_M = 2.5, 3.0, 2.5
 _TURN_S = 1.4
 """Time for a turn from one view to the next."""
 _STEP_M, _ROOM_M, _LEAST_STEP_M = 8.0, 2.0, 0.5
-"""Longest step, and distance that it keeps from what the depth image shows."""
+"""Longest step, distance to keep from surfaces in the depth image, and shortest step."""
 _SPEED_MPS = 2.0
 _ABOUT_PX = 2
-"""Pixels about a point whose median depth counts."""
+"""Pixels on each side of a point whose median depth counts."""
 
 
 class _View(NamedTuple):
@@ -49,14 +50,14 @@ class _View(NamedTuple):
 
     rgb: np.ndarray
     depth: DepthImage | None
-    """None where nothing was measured."""
+    """Depth image with its pose; None if nothing was measured."""
 
 
 class VlmPilot:
     """A `scenarios.Companion` that asks a vision-language model where to go.
 
     Attributes:
-        touchdown_enu_m: Point that the model chose to land on, once it has.
+        touchdown_enu_m: Point that the model chose to land on; None before.
     """
 
     area = None
@@ -65,8 +66,8 @@ class VlmPilot:
         """Prepare a flight.
 
         Args:
-            chat: The model.
-            environment: Where its key is looked for.
+            chat: Model to ask.
+            environment: Variables among which its key is looked for.
             aboard: Equipment: MAVLink, two cameras, and the text.
 
         Raises:
@@ -85,12 +86,16 @@ class VlmPilot:
         self._flight = self._fly()
 
     def update(self, time_us: int) -> None:
-        """Read telemetry and fly on."""
+        """Read telemetry, and do the next step of the flight.
+
+        Args:
+            time_us: Simulated time.
+        """
         self._client.update(time_us)
         self.is_done = self.is_done or next(self._flight, self) is self
 
     def _fly(self) -> Iterator[None]:
-        """The whole flight; each step is a tick."""
+        """Fly from take-off to landing; each step is a tick."""
         x, y, z = start = yield from take_control(self._client)
         at: Vector3 = (x, y, z + _TAKEOFF_M)
         yield from fly_line(self._client, start, at, _SPEED_MPS)
@@ -107,7 +112,7 @@ class VlmPilot:
                 break
             goal, note = _goal(choice, views, at)
             if goal is None:
-                continue
+                continue  # The look counts, so a model cannot ask for ever.
             if choice.action == "land":
                 yield from self._land_on(at, goal)
                 return
@@ -117,13 +122,14 @@ class VlmPilot:
         self.verdict = Verdict(success=False, reason=reason)
 
     def _look_around(self, at: Vector3) -> Generator[None, None, list[_View]]:
-        """Turn once about the vertical, and take the views."""
+        """Turn once about the vertical, and take the views, the one straight down last."""
         views: list[_View] = []
         for number in range(N_VIEWS):
             # Clockwise from north.
             yaw_rad = math.pi / 2 - 2 * math.pi * number / N_VIEWS
             yield from self._hold(at, yaw_rad)
             views.append(self._view("forward"))
+        # The top of the view down is ahead of the vehicle, so it faces north for it.
         yield from self._hold(at, math.pi / 2)
         views.append(self._view("down"))
         yield from self._hold(at, 0.0)
@@ -144,10 +150,10 @@ class VlmPilot:
             return _View(frame.rgb, None)
 
     def _ask(self, views: list[_View], note: str) -> Choice:
-        """Ask where to go; an answer that is not understood is asked for once more.
+        """Ask where to go, and once more if the answer is not understood.
 
         Raises:
-            AnswerError: If that one is not understood either.
+            AnswerError: If the second answer is not understood either.
             ChatError: If the endpoint cannot be used.
         """
         text = " ".join(filter(None, [self._aboard.text, note]))
@@ -168,6 +174,7 @@ class VlmPilot:
     def _land_on(self, at: Vector3, goal: Vector3) -> Iterator[None]:
         """Fly above a point, and let the autopilot land there."""
         self.touchdown_enu_m = goal
+        # Up first and then across, so that the path does not go through what is below it.
         height_m = max(at[2], goal[2] + _HOVER_M)
         above, over = (at[0], at[1], height_m), (goal[0], goal[1], height_m)
         yield from fly_line(self._client, at, above, _SPEED_MPS)
@@ -177,7 +184,7 @@ class VlmPilot:
 
 
 def _goal(choice: Choice, views: list[_View], at: Vector3) -> tuple[Vector3 | None, str]:
-    """Point that a choice leads to, and a note for the next look where it leads nowhere."""
+    """Return the point that a choice leads to, or None and a note for the next question."""
     if choice.action == "climb":
         return (at[0], at[1], at[2] + _CLIMB_M), ""
     depth = views[choice.image].depth
@@ -187,7 +194,9 @@ def _goal(choice: Choice, views: list[_View], at: Vector3) -> tuple[Vector3 | No
     if depth is None:
         return None, "Nothing was measured in the last image."
     ray = _ray(choice, depth)
+    # Steps are level, so the ray is scaled by its horizontal part.
     ray /= max(float(np.linalg.norm(ray[:2])), 1e-6)
+    # Without a measured depth there is nothing within the camera's range.
     room_m = math.inf if seen is None else math.dist(seen[:2], at[:2])
     step_m = min(_STEP_M, room_m - _ROOM_M)
     if step_m < _LEAST_STEP_M:
@@ -196,23 +205,24 @@ def _goal(choice: Choice, views: list[_View], at: Vector3) -> tuple[Vector3 | No
 
 
 def _pixel(choice: Choice, depth: DepthImage) -> tuple[int, int]:
-    """Row and column of a point."""
+    """Return row and column of a point."""
     height, width = depth.depth_m.shape
     return round(choice.y * (height - 1)), round(choice.x * (width - 1))
 
 
 def _ray(choice: Choice, depth: DepthImage) -> np.ndarray:
-    """Direction of a point from the camera, ENU, 1 m deep along the optical axis."""
+    """Return the ray from the camera to a point, ENU, 1 m long along the optical axis."""
     row, column = _pixel(choice, depth)
     optical = np.array([(column - depth.cx) / depth.fx, (row - depth.cy) / depth.fy, 1.0])
     return depth.rotation_enu_from_optical @ optical
 
 
 def _point(choice: Choice, depth: DepthImage) -> Vector3 | None:
-    """Point of the world that an image shows there, ENU; None where no depth was measured."""
+    """Return the point of the world at a pixel, ENU; None if no depth was measured there."""
     row, column = _pixel(choice, depth)
     low_row, low_column = max(0, row - _ABOUT_PX), max(0, column - _ABOUT_PX)
     about = depth.depth_m[low_row : row + _ABOUT_PX + 1, low_column : column + _ABOUT_PX + 1]
+    # The median of a few pixels, since a single one may lie on an edge.
     measured_m = about[np.isfinite(about) & (about > 0.0)]
     if not measured_m.size:
         return None

@@ -1,6 +1,7 @@
-"""What a UDP client costs a tick: the same flight with and without it, some ticks each in turn.
+"""Cost of a UDP client for each tick: the same flight with and without it, in turns of 100 ticks.
 
-Times are of the thread's CPU: by the wall clock, a client that wakes on the same core would count.
+Turns are short, so that a slow moment of the machine meets all flights alike. Times are CPU times
+of the thread: by the wall clock, a client that wakes on the same core would count too.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from scenarios.bench.row import Row, lower
 from scenarios.bench.square_flight import take_off
 
 MOST_CLIENT_US = 12.0
-"""Target of what a client costs a tick."""
+"""Target of the time that one client adds to a tick."""
 _CLIENTS: Mapping[str, Sequence[Profile]] = {
     "": (),
     "a ground station": ("normal",),
@@ -32,6 +33,11 @@ _TICKS_IN_TURN = 100
 
 def client_rows(scene: Scene, vehicle: str, seconds: float) -> Iterator[Row]:
     """Measure MAVLink's tick of hovering vehicles, each with other clients.
+
+    Args:
+        scene: Scene to hover in.
+        vehicle: Airframe by its name.
+        seconds: Simulated seconds of each vehicle.
 
     Raises:
         BenchError: If the vehicle does not fly.
@@ -45,16 +51,19 @@ def client_rows(scene: Scene, vehicle: str, seconds: float) -> Iterator[Row]:
                 UdpLink(local_port=0, remote_port=next(ports), profile=profile)
                 for profile in profiles
             ]
+            # Links are passed in, so that the benches need no ports of their own.
             cfg = TestbenchCfg(vehicle=vehicle, speed="max")
             bench = Testbench(scene, cfg, has_network=False, links=[links])
             benches[name] = stack.enter_context(bench)
             take_off(bench)
         for _ in range(max(1, round(seconds * 1e6 / TICK_US / _TICKS_IN_TURN))):
+            # Each turn has all benches one after the other, so that they can be compared pairwise.
             for name, bench in benches.items():
                 costs_us[name].append(_tick_us(bench))
     yield lower("CPU of MAVLink's tick without a client", median(costs_us[""]), "us")
     for name, profiles in _CLIENTS.items():
         if profiles:
+            # Differences of neighbouring turns, whose median ignores turns that were disturbed.
             more = median(
                 us - alone for us, alone in zip(costs_us[name], costs_us[""], strict=True)
             )
@@ -63,7 +72,8 @@ def client_rows(scene: Scene, vehicle: str, seconds: float) -> Iterator[Row]:
 
 
 def _tick_us(bench: Testbench) -> float:
-    """Mean CPU time of MAVLink in some ticks."""
+    """Return the mean CPU time of MAVLink in a tick, in us."""
+    # Looked up before the loop, whose own cost would otherwise be measured.
     clock, update = time.thread_time_ns, bench.server.update
     spent_ns = 0
     for _ in range(_TICKS_IN_TURN):

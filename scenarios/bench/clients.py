@@ -1,8 +1,8 @@
 """Real MAVLink clients for a benchmark: a process that reads UDP ports and sends heartbeats.
 
-Run as `python -m scenarios.bench.clients N`: opens N ports, prints them, and reads; for each line
-of its standard input, and at its end, prints the number of messages until then. A separate process,
-so its work is not counted.
+`python -m scenarios.bench.clients N` opens N ports, prints them, and reads. For each line of its
+standard input, and at its end, it prints the number of messages until then. It is a separate
+process, so that its work is not counted as the testbench's.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Self
 
 LOOPBACK = "127.0.0.1"
 _HEARTBEAT_PERIOD_S = 0.5
-_BUFFER_BYTES = 1 << 22
+_BUFFER_BYTES = 1 << 22  # Large, because a full buffer would drop messages uncounted.
 
 
 class Clients:
@@ -27,7 +27,11 @@ class Clients:
     """
 
     def __init__(self, count: int) -> None:
-        """Start the clients."""
+        """Start the clients, and wait until they listen.
+
+        Args:
+            count: Number of clients, each with a port of its own.
+        """
         self._process = subprocess.Popen(  # noqa: S603 - arguments are ours
             [sys.executable, "-m", __name__, str(count)],
             stdin=subprocess.PIPE,
@@ -40,7 +44,7 @@ class Clients:
         self.ports = tuple(int(port) for port in self._process.stdout.readline().split())
 
     def n_messages(self) -> int:
-        """MAVLink messages received until now."""
+        """Return the number of MAVLink messages that all clients have received so far."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         self._process.stdin.write("\n")
@@ -89,7 +93,7 @@ def _serve(sockets: list[socket.socket]) -> None:
         while True:
             ready = {key.fileobj for key, _ in selector.select(_HEARTBEAT_PERIOD_S)}
             for client in sockets:
-                # All that has arrived is read before a count is told.
+                # Everything that has arrived is read before a count is printed.
                 while (received := _receive(client)) is not None:
                     data, addresses[client] = received
                     n_messages += count_messages(data)
@@ -97,27 +101,34 @@ def _serve(sockets: list[socket.socket]) -> None:
                 is_asked = bool(sys.stdin.readline())
                 print(n_messages, flush=True)  # noqa: T201
                 if not is_asked:
-                    return
+                    return  # The end of standard input.
             if time.monotonic() >= heartbeat_due_s:
                 heartbeat_due_s = time.monotonic() + _HEARTBEAT_PERIOD_S
+                # Only those that were written to know the testbench's address.
                 for client, address in addresses.items():
                     client.sendto(heartbeat, address)
 
 
 def count_messages(datagram: bytes) -> int:
-    """Count the MAVLink 2 frames in a datagram, by their lengths."""
+    """Count the MAVLink 2 frames in a datagram, by their lengths.
+
+    Args:
+        datagram: Whole frames, one behind the other; counting ends at anything else.
+    """
     n_messages, start = 0, 0
+    # 12 bytes: a header of 10 and a checksum of 2. 0xFD is the magic number of MAVLink 2.
     while start + 12 <= len(datagram) and datagram[start] == 0xFD:
         is_signed = datagram[start + 2] & 1
-        start += 12 + datagram[start + 1] + 13 * is_signed
+        start += 12 + datagram[start + 1] + 13 * is_signed  # a signature has 13 bytes
         n_messages += 1
     return n_messages
 
 
 def _heartbeat() -> bytes:
-    """Heartbeat of a ground station."""
+    """Return the frame of a ground station's heartbeat."""
     from pymavlink.dialects.v20 import common  # in the child only
 
+    # 255 and 190 are the usual system and component of a ground station.
     sender = common.MAVLink(None, srcSystem=255, srcComponent=190)
     message = sender.heartbeat_encode(
         common.MAV_TYPE_GCS, common.MAV_AUTOPILOT_INVALID, 0, 0, common.MAV_STATE_ACTIVE

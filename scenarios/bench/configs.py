@@ -13,7 +13,7 @@ from aeroscene.ranges import SEEDS, Range, require_ranges
 
 MOST_SCENES = 1016
 MOST = 1_000_000
-"""Most of anything that a benchmark counts."""
+"""Upper limit of every count of a benchmark."""
 COUNT = Range(1, MOST)
 SCENES = Range(1, MOST_SCENES)
 SECONDS = Range(1.0, 36_000.0, "s")
@@ -32,7 +32,11 @@ class AnyBenchCfg(ABC):
     """Print one JSON object: rows, each with metric, value, unit and target."""
 
     def __post_init__(self) -> None:
-        """Refuse numbers that are out of their ranges."""
+        """Refuse numbers that are out of their ranges.
+
+        Raises:
+            BenchError: Naming the option, its value and the range.
+        """
         require_ranges(self, BenchError)
 
     @property
@@ -62,8 +66,8 @@ class SimBenchCfg(AnyBenchCfg):
 class SceneBenchCfg(AnyBenchCfg):
     """Make scenes of all domains, compile them, step their physics and render their cameras.
 
-    Times are CPU times of all threads: what one core would take. p95 is the scene that only a
-    twentieth of all scenes exceed.
+    Times are CPU times of all threads, which is what one core would take. p95 is the scene that
+    only a twentieth of all scenes exceed.
     """
 
     count: Annotated[int, SCENES] = 12
@@ -79,8 +83,8 @@ class SceneBenchCfg(AnyBenchCfg):
 class ControlBenchCfg(AnyBenchCfg):
     """Fly steps and figure eights, in still air and wind, beyond limits, and out of tumbling.
 
-    Hummingbird, to whose figures the targets apply, and Iris. With the estimator in the loop,
-    errors are relative to the estimate, which is all that the controller can track.
+    The targets apply to the Hummingbird; the Iris is flown too. With the estimator in the loop,
+    errors are relative to the estimate, because the controller can track nothing else.
     """
 
     count: Annotated[int, COUNT] = 1000
@@ -107,8 +111,8 @@ PeerName = Literal["gym-pybullet-drones", "pyflyt", "crazyflow"]
 class WorldsBenchCfg(AnyBenchCfg):
     """Fly many vehicles, each in a world of its own, on one thread and on two; step environments.
 
-    Environments are stepped by actions that keep all up, and by actions that end episodes.
-    Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
+    Environments are stepped by actions that keep all vehicles in the air, and by actions that end
+    episodes. Targets are for two quiet cores; figures in CPU seconds hold on a busy machine too.
     """
 
     worlds: Annotated[int, Range(2, 4096)] = 64
@@ -132,7 +136,7 @@ class WorldsBenchCfg(AnyBenchCfg):
 class VehiclesBenchCfg(AnyBenchCfg):
     """Fly several vehicles in one world, with two MAVLink clients each; let pairs collide.
 
-    Figures are in CPU seconds: one core does it all.
+    Figures are in CPU seconds, because one core does all the work.
     """
 
     vehicles: Annotated[int, Range(2, 100)] = 4
@@ -154,7 +158,7 @@ class VehiclesBenchCfg(AnyBenchCfg):
 
 @dataclass(frozen=True, kw_only=True)
 class MethodBenchCfg(AnyBenchCfg):
-    """Hold the paper's network against what needs no network, and against eight scenes by heart.
+    """Compare the paper's network with a formula, and let it learn eight scenes by heart.
 
     The errors of a trained network are divided by those of a formula without parameters, channel by
     channel, on scenes that it has not seen. A network of the same kind then learns eight scenes,
@@ -162,14 +166,14 @@ class MethodBenchCfg(AnyBenchCfg):
     """
 
     preset: Literal["paper", "progressive"] = "progressive"
-    """Which of the paper's two presets; the one that ships, without --checkpoint."""
+    """One of the paper's two presets; without --checkpoint the model that ships with it."""
     checkpoint: Annotated[
         Path | None, tyro.conf.arg(help_behavior_hint="(default: the one that ships)")
     ] = None
     """File written by `aeroscene train` with the preset."""
     data: Path = Path("corpus")
-    """Folder made by `aeroscene dataset build`, or a file of neutral layouts; scenes that are held
-    out of it are judged."""
+    """Folder made by `aeroscene dataset build`, or a file of neutral layouts. Its held-out scenes
+    are judged."""
     count: Annotated[int, Range(2, 1000)] = 48
     """Number of held-out scenes."""
     cpu_seconds: Annotated[float, Range(0.0, 36_000.0, "s")] = 60.0
@@ -188,7 +192,7 @@ _N_GENERATED = 24
 
 
 def _default(says: str) -> Any:
-    """What happens without an option whose own default is None."""
+    """Return a tyro mark that states the default of an option whose own default is None."""
     return tyro.conf.arg(help_behavior_hint=f"(default: {says})")
 
 
@@ -201,8 +205,8 @@ class GenerateBenchCfg(AnyBenchCfg):
     """
 
     scenes: Annotated[str | None, _default("none")] = None
-    """Judge existing scenes instead: shipped, or a folder with a dataset or with output of
-    `aeroscene generate`."""
+    """Judge existing scenes instead of generating any: shipped, or a folder with a dataset or with
+    output of `aeroscene generate`."""
     count: Annotated[int | None, Range(2, MOST_SCENES), _default("24; with --scenes all")] = None
     """Number of scenes, a third in each domain; figures of sets need 64 or more. With --scenes, the
     number of first scenes to judge."""
@@ -228,7 +232,7 @@ class GenerateBenchCfg(AnyBenchCfg):
 
     @property
     def n_generated(self) -> int:
-        """Number of scenes to generate, or the most to look at."""
+        """Number of scenes to generate."""
         return _N_GENERATED if self.count is None else self.count
 
     @property

@@ -1,9 +1,10 @@
 """`bench control`: tracking accuracy of the controller, and its robustness.
 
-Hover throttle and step responses; figure eights with a peak acceleration of 7 m/s^2, with the true
-state and with the estimator in the loop, in still air and in 5 m/s of wind with moderate
-turbulence; eights that no rotor can fly; recovery from random attitudes and rates. All in an empty
-field, in MuJoCo with rotor lag.
+The parts are: hover throttle and step responses; figure eights with a peak acceleration of 7 m/s^2,
+with the true state and with the estimator in the loop, in still air and in 5 m/s of wind with
+moderate turbulence; eights that no rotor can fly; recovery from random attitudes and rates. All fly
+in an empty field, in MuJoCo with rotor lag. The true state shows the controller's own error, and
+the estimator in the loop shows what noise and delay add.
 """
 
 from __future__ import annotations
@@ -32,11 +33,12 @@ LARGEST_RMSE_M = {
     ("estimate", "still air"): 0.10,
     ("estimate", "wind"): 0.20,
 }
-"""Targets for the Hummingbird; with the estimator in the loop the error is against the estimate."""
+"""Targets for the Hummingbird, m. With the estimator in the loop, the error is relative to the
+estimate."""
 LEAST_RECOVERED_PERCENT = 99.9
 _TARGET_VEHICLE = "hummingbird"
 _LAPS = 3
-_WIND_SETTLES_S = 4.0
+_WIND_SETTLES_S = 4.0  # hover in the wind before the eight begins
 _TOO_FAST_MPS2 = (16.0, 20.0, 25.0, 30.0, 35.0)
 """Peak accelerations of eights beyond the limits of tilt and thrust."""
 _TOO_FAST_S, _COME_BACK_S = 25.0, 15.0  # at 10 m/s it brakes and returns over 20 m
@@ -45,7 +47,15 @@ _BACK_M = 0.2
 
 
 def rows(cfg: ControlBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Fly and judge all parts."""
+    """Fly and judge all parts, for each vehicle.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called before each part.
+
+    Yields:
+        Rows in the order of the parts.
+    """
     compile_kernels()
     for i, name in enumerate(cfg.vehicles):
         done = i / len(cfg.vehicles)
@@ -78,11 +88,13 @@ def _tracking(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
             n_flights = cfg.flights if air == "wind" else 1
             errors_m = []
             for k in range(n_flights):
+                # From all sides, because an eight is not the same along and across the wind.
                 wind = _wind(360.0 * k / n_flights) if air == "wind" else CALM
                 plant = Plant(world, PlantCfg(seed=cfg.seed + k, state=state))
                 errors_m.append(_fly_eight(plant, wind).rmse_m(state))
             target = LARGEST_RMSE_M[state, air] if name == _TARGET_VEHICLE else None
             title = f"{name}, figure eight by {state}, {air}"
+            # Flights are of equal length, so their mean square is that of all samples.
             rmse_m = math.sqrt(np.mean(np.square(errors_m)))
             yield lower(title, rmse_m, "m RMSE", target)
             if n_flights > 1:
@@ -104,7 +116,7 @@ def _fly_eight(plant: Plant, wind: WindCfg) -> Track:
 
 
 def _saturation(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
-    """Fly eights that are too fast, then back to the hover; tipping or staying away is a loss."""
+    """Fly eights that are too fast, then come back; a vehicle that tips or stays away is lost."""
     n_lost, tilt_rad, sunk_m = 0, 0.0, 0.0
     for peak_mps2 in _TOO_FAST_MPS2:
         plant = Plant(world, PlantCfg(seed=cfg.seed, state="truth"))
@@ -113,6 +125,7 @@ def _saturation(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
         away = fly(plant, eight, _TOO_FAST_S)
         back = come_back(plant, hover_enu_m, _COME_BACK_S)
         largest_rad = max(away.tilt_rad.max(), back.tilt_rad.max())
+        # A vehicle that is elsewhere after 15 s has lost its place for good.
         is_back = np.linalg.norm(back.error_true_m[-1]) < _BACK_M
         has_touched = away.is_touching.any() or back.is_touching.any()
         n_lost += largest_rad >= _LOST_RAD or has_touched or not is_back
@@ -126,6 +139,7 @@ def _saturation(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
 
 
 def _recovery(cfg: ControlBenchCfg, name: str, world: World) -> Iterator[Row]:
+    # One source for all trials, so that a larger --count repeats the first ones.
     rng = np.random.default_rng(cfg.seed)
     trials = [recover(world, cfg.seed, rng) for _ in range(cfg.count)]
     share = 100.0 * float(np.mean([trial.is_recovered for trial in trials]))

@@ -1,4 +1,9 @@
-"""Part of `bench worlds`: what the end of an episode costs, and steps of actions that end many."""
+"""Part of `bench worlds`: cost of the end of an episode, and steps with many ends.
+
+A learner ends episodes all the time, above all at the start of its training. An environment that is
+fast only while nothing ends would mislead. The cost of one end is the slope of a line through the
+times of steps with few and with many ends, so steps need not be stopped to measure it.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +24,14 @@ if TYPE_CHECKING:  # an extra: whoever has no gymnasium is told so
 LEAST_STEPS_WITH_ENDS = 42_000.0
 """Target in steps of environments a second, on two quiet cores."""
 MOST_END_MS, MOST_DRAWN_END_MS = 0.1, 0.5
-"""Targets of an end, without and with an area that is drawn."""
+"""Targets of an end, without and with a landing area that is drawn for the next episode."""
 _LEAST_STEPS = 200
-"""After which vehicles that sink from five metres are down."""
+"""Number of steps after which vehicles that sink from five metres are down."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Policy:
-    """A constant action, and how it ends episodes."""
+    """A constant action that ends episodes in its own way."""
 
     task: str
     says: str
@@ -43,7 +48,10 @@ _SINKING = _Policy(task="landing", says="that sink until they rest", action=(0.0
 
 
 def end_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
-    """Step environments whose actions end their episodes.
+    """Step environments with actions that end their episodes.
+
+    Args:
+        cfg: Options of the benchmark.
 
     Raises:
         BenchError: If none ends.
@@ -53,6 +61,7 @@ def end_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
     title = f"environments that fall, {n_ends.sum()} ends in {n} steps, two threads"
     yield higher(title, n / wall_s.sum(), "steps of 20 ms / wall s", LEAST_STEPS_WITH_ENDS)
     yield higher(title, n / cpu_s.sum(), "steps of 20 ms / CPU s")
+    # On one thread, so that a step's CPU time is all its own.
     for policy, target in (
         (_TIMED, MOST_END_MS),
         (_FALLING, None),
@@ -69,7 +78,7 @@ def end_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
 def _step(
     policy: _Policy, cfg: WorldsBenchCfg, n_threads: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Wall time, CPU time and number of ends of each step."""
+    """Return wall time, CPU time and number of ends of each step."""
     from scenarios.environments import AeroSceneVectorEnv, EnvironmentCfg
 
     env_cfg = EnvironmentCfg(vehicle=cfg.vehicle, action=policy.level, episode_s=policy.episode_s)

@@ -1,7 +1,14 @@
 """Figure eight as a reference, and the tracking error of a vehicle on it.
 
-The lemniscate of Gerono, (a sin s, a/2 sin 2s), at a constant phase rate s' after a smooth start;
-its acceleration is a s'^2 |(sin s, 2 sin 2s)|, whose largest value sets s'.
+The curve is the lemniscate of Gerono, (a sin s, a/2 sin 2s), at a constant phase rate s' after a
+smooth start. Its acceleration is a s'^2 |(sin s, 2 sin 2s)|, whose largest value sets s'. An eight
+turns both ways and its acceleration varies, so an error that a circle hides shows here. The smooth
+start keeps the reference flat to the third derivative, since a jump would measure the recovery.
+
+    symbol    name                              here
+    a         half of the length, m             half_length_m
+    s         phase, rad                        _phase
+    s'        phase rate, rad/s                 phase_rate_radps
 """
 
 from __future__ import annotations
@@ -19,7 +26,8 @@ from flightsim.plant import Plant
 from flightsim.plant.cfg import ADVANCE_HZ
 
 SETTLED_S = 4.0
-"""Length of the smooth start."""
+"""Duration of the smooth start."""
+# Largest |(sin s, 2 sin 2s)|, by sampling; exactly it is 17/8, at cos 2s = -1/16.
 _PEAK_SHAPE = float(
     np.max(np.hypot(np.sin(s := np.linspace(0.0, np.pi, 20_001)), 2.0 * np.sin(2.0 * s)))
 )
@@ -29,7 +37,7 @@ _CLIMB_M = 15.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FigureEight:
-    """A level eight with its crossing in the centre."""
+    """A level eight with its crossing in the centre; its long axis points east."""
 
     centre_enu_m: tuple[float, float, float]
     peak_acceleration_mps2: float
@@ -51,10 +59,18 @@ class FigureEight:
         return 2.0 * math.pi / self.phase_rate_radps
 
     def derivatives_enu(self, time_s: Float[np.ndarray, " n"]) -> Float[np.ndarray, "4 n 3"]:
-        """Position and its first three derivatives."""
+        """Return position, velocity, acceleration and jerk.
+
+        Args:
+            time_s: Times since the start, 0 and later.
+
+        Returns:
+            Derivatives of order 0 to 3, in m and s, ENU.
+        """
         s, s1, s2, s3 = self._phase(time_s)
         q = [np.stack([_sine(s, k), 0.5 * 2**k * _sine(2.0 * s, k), 0.0 * s], -1) for k in range(4)]
         s1, s2, s3 = s1[:, None], s2[:, None], s3[:, None]
+        # The chain rule up to the third derivative (Faa di Bruno).
         curve = np.stack(
             [
                 q[0],
@@ -68,7 +84,7 @@ class FigureEight:
         return curve
 
     def setpoint(self, time_s: float) -> Setpoint:
-        """Setpoint at a given time."""
+        """Return the setpoint at a time since the start: position to jerk, looking east."""
         p, v, a, j = (tuple(row.tolist()) for row in self.derivatives_enu(np.array([time_s]))[:, 0])
         return Setpoint(
             level=ControlLevel.TRAJECTORY,
@@ -80,7 +96,8 @@ class FigureEight:
         )
 
     def _phase(self, time_s: Float[np.ndarray, " n"]) -> tuple[np.ndarray, ...]:
-        """Phase and three derivatives: its rate rises by a cubic, then stays constant."""
+        """Return phase and three derivatives: its rate rises by a cubic, then stays constant."""
+        # s' = w (3 u^2 - 2 u^3) with u = t / length, whose slope is zero at both ends.
         w, length = self.phase_rate_radps, SETTLED_S
         u = np.clip(time_s / length, 0.0, 1.0)
         after = np.maximum(time_s - length, 0.0)
@@ -107,13 +124,24 @@ class Track:
     is_touching: np.ndarray
 
     def rmse_m(self, state: Literal["truth", "estimate"]) -> float:
-        """Root mean square error of one of the two states, without the smooth start."""
+        """Return the root mean square error, in m, without the smooth start.
+
+        Args:
+            state: "truth" for the true position, "estimate" for the estimated one.
+        """
         error = self.error_true_m if state == "truth" else self.error_est_m
         return float(np.sqrt(np.mean(np.sum(error[self.time_s >= SETTLED_S] ** 2, axis=1))))
 
 
 def take_off(plant: Plant) -> tuple[float, float, float]:
-    """Align, arm, climb and hold; return the held position."""
+    """Align, arm, climb 15 m and hold.
+
+    Args:
+        plant: Plant at rest at its start.
+
+    Returns:
+        The held position, in the frame of the state that the controller gets.
+    """
     _repeat(plant, OFF, _ALIGN_S)
     _repeat(plant, IDLE, _IDLE_S)
     x, y, z = plant.estimate.position_enu_m
@@ -125,12 +153,21 @@ def take_off(plant: Plant) -> tuple[float, float, float]:
 
 
 def hold(position_enu_m: tuple[float, float, float]) -> Setpoint:
-    """Setpoint that stays at a position, looking east."""
+    """Return a setpoint that stays at a position, looking east."""
     return Setpoint(level=ControlLevel.TRAJECTORY, position_enu_m=position_enu_m, yaw_rad=0.0)
 
 
 def fly(plant: Plant, eight: FigureEight, seconds: float) -> Track:
-    """Follow an eight, starting at its centre."""
+    """Follow an eight, starting at its centre.
+
+    Args:
+        plant: Plant that hovers there.
+        eight: Reference.
+        seconds: Duration.
+
+    Returns:
+        The flight beside its reference.
+    """
     start_us = plant.time_us
     rows = _record(plant, eight.setpoint, seconds)
     time_s = 1e-6 * (rows["time_us"] - start_us)
@@ -139,13 +176,23 @@ def fly(plant: Plant, eight: FigureEight, seconds: float) -> Track:
 
 
 def come_back(plant: Plant, position_enu_m: tuple[float, float, float], seconds: float) -> Track:
-    """Fly to a point and stay there."""
+    """Fly to a point and stay there.
+
+    Args:
+        plant: Plant in the air.
+        position_enu_m: Point to hold.
+        seconds: Duration.
+
+    Returns:
+        The flight beside the point.
+    """
     start_us = plant.time_us
     rows = _record(plant, lambda _: hold(position_enu_m), seconds)
     return _track(rows, 1e-6 * (rows["time_us"] - start_us), np.array(position_enu_m))
 
 
 def _track(rows: np.ndarray, time_s: np.ndarray, where_enu_m: np.ndarray) -> Track:
+    # 1 - 2 (x^2 + y^2) is the vertical part of the body's z axis: the cosine of the tilt.
     x, y = rows["quat_true_wxyz"][:, 1], rows["quat_true_wxyz"][:, 2]
     return Track(
         time_s=time_s,
@@ -172,5 +219,5 @@ def _repeat(plant: Plant, setpoint: Setpoint, seconds: float) -> None:
 
 
 def _sine(angle: np.ndarray, order: int) -> np.ndarray:
-    """Derivative of a sine of the given order."""
+    """Return the derivative of a sine of the given order; each turns the phase by a quarter."""
     return np.sin(angle + 0.5 * np.pi * order)

@@ -1,7 +1,7 @@
 """`bench generate`: cost and quality of generated scenes, before and after feasibility.
 
-Every figure is beside that of real scenes, the corpus, by the same code. Times are wall times from
-a seed to a finished scene, landing areas and validation included.
+Every figure stands beside that of real scenes, which the same code measures on the corpus. Times
+are wall times from a seed to a finished scene, landing areas and validation included.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ from scenarios.bench.reference import Splits, group_figures, open_corpus
 from scenarios.bench.row import OnProgress, Row, higher, lower
 
 MOST_SECONDS = {"default": 2.0, "paper": 3.0, "progressive": 3.0}
-"""Time limit of one scene on two cores."""
+"""Time limit of one scene on two cores, s, by preset."""
 MOST_GPU_SECONDS = 0.5
 LEAST_GPU_RATE = 50.0
 MOST_MEMORY_GB = {"default": 0.66, "paper": 2.0, "progressive": 2.0}
 LEAST_VALID = {"cpu": 85.0, "gpu": 95.0}
-"""Percentage of valid objects before feasibility, by the device of training."""
+"""Least percentage of valid objects before feasibility, by the device that trained the model."""
 
 _BATCH_SIZE = 64
 _N_TIMED = 6
@@ -50,15 +50,21 @@ _COMMAND = "import sys; from scenarios.cli.entry import aeroscene; sys.exit(aero
 _MEASURED = """import resource, subprocess, sys
 subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"""
-"""A small process starts what is measured: peaks count that of the process which starts it."""
+"""Program of a small process that starts the measured one. Linux counts the memory of the process
+that starts another into the peak of the latter, and this one here is large."""
 
 
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Generate scenes one by one and judge them.
 
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called before each part.
+
     Raises:
         SceneError: If checkpoint, device or corpus cannot be used.
     """
+    # Opened first, so that a missing corpus is refused before minutes of work.
     corpus = open_corpus(cfg.data)
     generator = Generator.load(cfg.checkpoint, preset=cfg.preset, device=cfg.device)
     costs = _generate(generator, cfg, on_progress)
@@ -70,6 +76,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
         Drawn(raw=made.raw, projected=made.projected, is_rejected=made.scene is None)
         for made in (cost.made for cost in costs)
     ]
+    # Counts the calls of the callback, which gets no argument.
     checked = iter(range(1, len(draws) + 1))
     yield from feasibility_rows(
         draws,
@@ -77,6 +84,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
             "checking that scenes are sound", 0.7 + 0.2 * next(checked) / cfg.n_generated
         ),
     )
+    # Only accepted scenes are compared after feasibility, since users never see the others.
     accepted = [draw.projected for draw in draws if not draw.is_rejected]
     groups = {RAW: [draw.raw for draw in draws], FEASIBLE: accepted}
     yield from comparison(
@@ -99,6 +107,7 @@ class _Cost:
 
 def _generate(generator: Generator, cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[_Cost]:
     on_progress("first scene, which compiles kernels", 0.0)
+    # A seed that is not measured, so that nothing of the measured scenes is in a cache.
     _one(generator, _request(cfg.seed, cfg.n_generated))
     costs = []
     for number in range(cfg.n_generated):
@@ -108,7 +117,7 @@ def _generate(generator: Generator, cfg: GenerateBenchCfg, on_progress: OnProgre
 
 
 def _request(seed: int, number: int) -> Request:
-    """Request for a scene; the domains take turns, as in the corpus."""
+    """Return the request for a scene; the domains take turns, as in the corpus."""
     return Request(seed=seed + number, domain=scene_domain(number))
 
 
@@ -137,13 +146,14 @@ def _speed_rows(
     if is_gpu:
         yield from _gpu_rows(generator, cfg, stages.rest_s)
     on_progress("measuring the memory of a command by itself", 0.6)
+    # The limit is for a command on the CPU.
     most_gb = None if is_gpu else MOST_MEMORY_GB[cfg.preset]
     yield lower("peak memory", _peak_memory_gb(cfg), "GB", most_gb)
 
 
 @dataclass(frozen=True, slots=True)
 class _Stages:
-    """Time of each stage of a scene, medians of a few."""
+    """Median times of the stages of a few scenes."""
 
     program_s: float
     sampling_s: float
@@ -152,15 +162,16 @@ class _Stages:
 
 
 def _stages(generator: Generator, costs: Sequence[_Cost]) -> _Stages:
-    """Measure a few scenes, generated once more with the denoising observed."""
+    """Measure the stages of a few scenes, which are generated once more with an observer."""
     measured = [_stages_of(generator, cost) for cost in costs[:_N_TIMED]]
     return _Stages(*np.median(measured, axis=0).tolist())
 
 
 def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
-    """Seconds of the program, of the sampling and of the rest.
+    """Return the seconds of the program, of the sampling and of the rest.
 
-    The first step ends as long after the program as the others take each, observed as they are.
+    The observer is called at the end of each denoising step. The end of the program is therefore
+    estimated: the first step is taken to last as long as the median of the others.
     """
     seen_s = [time.perf_counter()]
     list(
@@ -175,13 +186,14 @@ def _stages_of(generator: Generator, cost: _Cost) -> tuple[float, float, float]:
 
 
 def _gpu_rows(generator: Generator, cfg: GenerateBenchCfg, rest_s: float) -> Iterator[Row]:
-    """Generate many scenes at once; the processor's time after sampling is subtracted."""
+    """Generate many scenes at once, and subtract the processor's time after sampling."""
     import torch
 
     requests = [_request(cfg.seed, number) for number in range(_BATCH_SIZE)]
     start_s = time.perf_counter()
     n_made = sum(1 for _ in generator.generate(requests, batch_size=_BATCH_SIZE))
     wall_s = time.perf_counter() - start_s
+    # The floor keeps rounding from making the time zero or negative.
     model_s = max(wall_s - n_made * rest_s, 1e-3)
     least = LEAST_GPU_RATE if cfg.preset == "default" else None
     yield higher(f"sampling in batches of {_BATCH_SIZE}", n_made / model_s, "scenes / s", least)
@@ -204,7 +216,9 @@ def _is_gpu(device: str) -> bool:
 
 
 def _peak_memory_gb(cfg: GenerateBenchCfg) -> float:
-    """Peak memory of an `aeroscene generate` that makes a few of the scenes.
+    """Return the peak memory of an `aeroscene generate` that makes a few of the scenes.
+
+    A process of its own, because this one also holds the corpus and its figures.
 
     Raises:
         BenchError: If it fails.

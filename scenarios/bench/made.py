@@ -21,12 +21,16 @@ from scenarios.bench.soundness import fault
 SHIPPED = "shipped"
 """Name of the scenes that come with the package."""
 MOST_CHECKED = 256
-"""Most scenes checked for soundness, at a quarter of a second each; evenly chosen if there are
-more, since every scene of a dataset was validated when it was made."""
+"""Greatest number of scenes to check for soundness, at a quarter of a second each. Of more scenes
+an even choice is checked, because every scene of a dataset was validated when it was made."""
 
 
 def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Judge finished scenes by the figures that `bench generate` gives after feasibility.
+
+    Args:
+        cfg: Options of the benchmark, with `scenes`.
+        on_progress: Called before each part.
 
     Raises:
         SceneError: If scenes or corpus cannot be used.
@@ -50,6 +54,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
     readers = _readers(cfg.scenes or SHIPPED)
     wanted = len(readers) if cfg.count is None else cfg.count
+    # The classifier needs a scene in each of its folds.
     if not N_FOLDS <= wanted <= len(readers):
         raise DatasetError(
             f"{wanted} scenes of {cfg.scenes!r} are asked for, which has {len(readers)}; "
@@ -63,7 +68,7 @@ def _read(cfg: GenerateBenchCfg, on_progress: OnProgress) -> list[Scene]:
 
 
 def _readers(name: str) -> list[Callable[[], Scene]]:
-    """Readers of all scenes, in order."""
+    """Return functions that read the scenes, in order."""
     if name == SHIPPED:
         return _readers_of(open_shipped())
     return _readers_of(open_folder(name))
@@ -74,6 +79,7 @@ def _readers_of(scenes: SceneSet[Any]) -> list[Callable[[], Scene]]:
 
 
 def _soundness_rows(scenes: Sequence[Scene], on_progress: OnProgress) -> Iterator[Row]:
+    # The step is rounded up, so that at most `MOST_CHECKED` are chosen.
     chosen = scenes[:: -(-len(scenes) // MOST_CHECKED)]
     n_sound = 0
     for number, scene in enumerate(chosen):

@@ -1,4 +1,8 @@
-"""Short flights for the estimator: take-off, then curves or a visit to a room."""
+"""Short flights that exercise the estimator: take-off, then curves or a visit to a room.
+
+Curves excite all axes, so that biases become observable. The room takes away the satellites for a
+while, which is when position errors grow.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +27,16 @@ _ROOM_EAST_M = 18.0
 _CRUISE_MPS = 1.5
 
 Path = Callable[[float], Setpoint]
-"""Setpoint by the time in s since the end of the take-off."""
+"""Function from the time since the end of the take-off, s, to a setpoint."""
 
 
 def meadow(*, has_room: bool, start_enu_m: Vector3 = (0.0, 0.0, 0.0)) -> Scene:
-    """Level, empty ground, optionally with one room 10 m east of its middle."""
+    """Return a scene of level, empty ground, optionally with one room 10 m east of its middle.
+
+    Args:
+        has_room: True adds the room, which is 16 m long, 10 m wide and 6 m high.
+        start_enu_m: Start of the vehicle.
+    """
     scene_id = "meadow"
     box = OrientedBox(p=(_ROOM_EAST_M, 0.0, _ROOM_M[2] / 2), q=(1.0, 0.0, 0.0, 0.0), s=_ROOM_M)
     room = SceneObject(
@@ -54,7 +63,11 @@ def meadow(*, has_room: bool, start_enu_m: Vector3 = (0.0, 0.0, 0.0)) -> Scene:
 
 
 def curves(rng: np.random.Generator) -> Path:
-    """Lissajous figure of up to 6 m/s and 5 m/s^2 around the start, with a swinging nose."""
+    """Return a Lissajous figure of up to 6 m/s and 5 m/s^2 around the start, with a swinging nose.
+
+    Args:
+        rng: Source of its extents, rates and yaw.
+    """
     reach = rng.uniform((5.0, 4.0, 0.5), (9.0, 8.0, 1.2))
     pace = rng.uniform((0.35, 0.35, 0.3), (0.6, 0.6, 0.8))
     swing = rng.uniform(0.3, 1.2)
@@ -66,6 +79,7 @@ def curves(rng: np.random.Generator) -> Path:
         s = 0.5 * time_s**2 / _RAMP_S if is_ramp else time_s - 0.5 * _RAMP_S
         ds, dds = (time_s / _RAMP_S, 1.0 / _RAMP_S) if is_ramp else (1.0, 0.0)
         sines, cosines = np.sin(pace * s), np.cos(pace * s)
+        # The last term climbs by two metres in the long run, and 10 / (s + 5)^2 is its rate.
         position = reach * sines + (0.0, 0.0, HEIGHT_M + 2.0 * s / (s + 5.0))
         velocity = reach * pace * cosines * ds + (0.0, 0.0, 10.0 / (s + 5.0) ** 2 * ds)
         acceleration = reach * pace * (cosines * dds - pace * sines * ds**2)
@@ -81,16 +95,22 @@ def curves(rng: np.random.Generator) -> Path:
 
 
 def visit(rng: np.random.Generator) -> Path:
-    """Visit to the room of `meadow`: in, around and out again."""
+    """Return a visit to the room of `meadow`: in, around and out again.
+
+    Args:
+        rng: Source of shifts of the corners by up to half a metre.
+    """
     corners = np.array(
         [(0, 0), (12, 0), (23, 3), (23, -3), (13, -3), (13, 3), (22, 0), (8, 0), (0, 0)],
         dtype=float,
     )
+    # Start and end stay, since the vehicle takes off and ends there.
     corners[1:-1] += rng.uniform(-0.5, 0.5, (len(corners) - 2, 2))
     legs = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     arrival = np.concatenate([[0.0], np.cumsum(legs)]) / _CRUISE_MPS
 
     def setpoint(time_s: float) -> Setpoint:
+        # Straight legs at a constant speed; after the last one the end is held.
         x, y = (float(np.interp(time_s, arrival, corners[:, axis])) for axis in (0, 1))
         return Setpoint(level=ControlLevel.TRAJECTORY, position_enu_m=(x, y, HEIGHT_M), yaw_rad=0.0)
 
@@ -103,7 +123,7 @@ def fly(plant: Plant, path: Path, seconds: float) -> Iterator[float]:
     Args:
         plant: Plant at rest at its start.
         path: Path to fly.
-        seconds: Length of the path, s.
+        seconds: Duration of the path.
 
     Yields:
         Time since the take-off, s, after every 20 ms of the path.

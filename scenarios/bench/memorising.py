@@ -1,8 +1,9 @@
-"""Whether a network can learn eight scenes by heart, beside DiffuScene's in the same CPU time.
+"""Test of a network's capacity: it learns eight scenes by heart, as DiffuScene does beside it.
 
-What cannot be memorised cannot be learned: a network that is told the contents of a scene that it
-has seen a thousand times has to put everything back where it was. DiffuScene draws the contents,
-too, so that its draws are compared with whichever of the eight they are most like.
+A network that cannot memorise cannot learn. Given the contents of a scene that it has seen a
+thousand times, it has to put everything back where it was. A failure here points to the network or
+the loss, whatever the data. DiffuScene draws the contents too, so each of its draws is compared
+with the one of the eight scenes that it resembles most. Both get the same CPU time.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ from scenarios.bench.row import Row, higher, lower
 
 N_SCENES = 8
 _N_OBJECTS = (12, 30)
-"""Scenes of so many objects are learned: larger ones take longer and show no more."""
+"""Range of objects of the learned scenes; larger scenes take longer and show no more."""
 MOST_PLACE_CM, MOST_EXTENT_PERCENT, MOST_HEADING_DEG = 5.0, 5.0, 3.0
 _MISSING_M = 10.0
-"""What a missing object counts where the scene that a draw is most like is looked for."""
+"""Distance that a missing object counts as, when the most similar scene is searched."""
 _TRAINING = TrainCfg(
     batch_size=N_SCENES,
     optimiser="adam",
@@ -57,7 +58,10 @@ _SEED = 3
 
 
 def small_scenes(scenes: Sequence[Scene]) -> list[Scene]:
-    """The first eight indoor scenes of few objects.
+    """Return the first eight indoor scenes of 12 to 30 objects.
+
+    Args:
+        scenes: Scenes to choose from.
 
     Raises:
         BenchError: If there are not as many.
@@ -77,7 +81,12 @@ def small_scenes(scenes: Sequence[Scene]) -> list[Scene]:
 
 
 def memorising_rows(preset: Preset, scenes: Sequence[Scene], cpu_s: float) -> Iterator[Row]:
-    """Rows of a preset's network, then of DiffuScene's, after as many CPU seconds.
+    """Yield rows of a preset's network, then of DiffuScene's, after the same CPU time.
+
+    Args:
+        preset: Preset whose network learns.
+        scenes: Scenes of which eight are learned.
+        cpu_s: CPU time of each training.
 
     Raises:
         BenchError: If there are too few scenes that are small enough.
@@ -98,10 +107,12 @@ def _memorised_by_preset(
     data = flat_training_set(scenes, has_regions=preset == "progressive")
     sections = preset_sections(preset)
     schedule = Schedule(sections["schedule"])
+    # Weights are drawn from torch's global generator, which is restored afterwards.
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(_SEED)
         network = new_denoiser(sections["model"], data.statistics, schedule)
     passes = [data.in_pass(is_second=second) for second in _passes(data)]
+    # Without L_guide, because memorising is a test of the reconstruction alone.
     cfg = replace(sections["loss"], guide_weight=0.0)
 
     def loss(model: Callable[..., Any], batch: Batch, generator: torch.Generator) -> LossTerms:
@@ -119,6 +130,7 @@ def _memorised_by_preset(
         is_drawn = batch.mask & ~batch.given
         yaw = torch.atan2(layout.heading[..., 1], layout.heading[..., 0])
         for i, own in enumerate(is_drawn):
+            # In the progressive preset each pass draws a part of the objects; they are joined.
             parts = (layout.category[i], layout.center_enu_m[i], yaw[i], layout.size_m[i])
             boxes[i].append(FlatBoxes(*(part[own].numpy() for part in parts)))
     return [_joined(parts) for parts in boxes], training.step
@@ -166,17 +178,22 @@ def _joined(parts: Sequence[FlatBoxes]) -> FlatBoxes:
 
 @dataclass(frozen=True)
 class _Off:
-    """How far the objects of draws are from those of the learned scenes that they are most like."""
+    """Errors of draws, each against the learned scene that it resembles most."""
 
     place_cm: Float[np.ndarray, " n"]
     extent_percent: Float[np.ndarray, " n"]
     heading_deg: Float[np.ndarray, " n"]
     missing_percent: float
-    """Objects of the learned scenes that the draws lack."""
+    """Share of the objects of the learned scenes that the draws lack."""
 
     @classmethod
     def of(cls, drawn: Sequence[FlatBoxes], real: Sequence[FlatBoxes | FlatLayout]) -> _Off:
-        """Compare each draw with each scene, and keep the nearest."""
+        """Compare each draw with each scene, and keep the most similar one.
+
+        Args:
+            drawn: Boxes of the draws.
+            real: Boxes of the learned scenes.
+        """
         matches = [min((_matched(a, b) for b in real), key=lambda m: m.cost_m) for a in drawn]
         n_lost = sum(match.n_lost for match in matches)
         n = sum(len(match.place_m) for match in matches)
@@ -188,7 +205,12 @@ class _Off:
         )
 
     def rows(self, who: str, *, has_target: bool) -> Iterator[Row]:
-        """Medians with their targets, and what a tenth of the objects exceeds."""
+        """Yield medians with their targets, and 90th percentiles.
+
+        Args:
+            who: Name of the network.
+            has_target: True if the targets apply to it.
+        """
         for what, values, unit, most in (
             ("places", self.place_cm, "cm", MOST_PLACE_CM),
             ("extents", self.extent_percent, "%", MOST_EXTENT_PERCENT),
@@ -212,20 +234,23 @@ class _Match:
     heading_rad: Float[np.ndarray, " n"]
     n_lost: int
     cost_m: float
-    """What is summed over all objects: how unlike the two are."""
+    """Sum of distances over all objects, which measures how different the two are."""
 
 
 def _matched(drawn: FlatBoxes, real: FlatBoxes | FlatLayout) -> _Match:
-    """Pair objects of one category so that the distances add up to least."""
+    """Pair objects of equal category such that the sum of distances is least."""
+    # 1 km for unequal categories, so that the assignment avoids them; such pairs are dropped.
     apart_m = np.linalg.norm(drawn.center_enu_m[:, None] - real.center_enu_m, axis=-1)
     is_alike = drawn.category[:, None] == real.category
     own, other = linear_sum_assignment(np.where(is_alike, apart_m, 1e3))
     kept = is_alike[own, other]
     own, other = own[kept], other[kept]
     place_m = apart_m[own, other]
+    # The logarithm treats too large and too small alike; `expm1` below turns it into a share.
     ratio = np.abs(np.log(drawn.size_m[own] / real.size_m[other])).max(axis=1)
     turn = drawn.yaw_rad[own] - real.yaw_rad[other]
     turn = np.abs((turn + np.pi) % (2 * np.pi) - np.pi)
+    # A two-sided object, such as a fence, looks the same after half a turn.
     two_sided = IS_TWO_SIDED[drawn.category[own]]
     turn = np.where(two_sided, np.minimum(turn, np.pi - turn), turn)
     n_lost = len(real.category) - len(own)

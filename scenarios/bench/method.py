@@ -1,11 +1,17 @@
 """`bench method`: gates that the network of the paper's presets has to pass.
 
-A channel by itself, with a variance v, has a best guess of its noise,
+A loss alone does not show whether a network has learnt anything. For a channel by itself, with a
+variance v, the best linear guess of its noise needs no network:
 
-    eps = sigma x_t / (alpha_bar v + sigma^2),
+    eps = sigma x_t / (alpha_bar v + sigma^2)
 
-for which no network is needed. One that is worse than this has learned nothing there, whatever its
-loss says.
+    symbol          name
+    x_t             noisy channel at time t
+    alpha_bar       share of the signal's variance at t
+    sigma           standard deviation of the noise at t
+    eps             unit noise that was added
+
+A network that is worse than this formula has learned nothing in that channel, whatever its loss is.
 """
 
 from __future__ import annotations
@@ -47,6 +53,10 @@ _SEED = 5
 def rows(cfg: MethodBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Judge a checkpoint, then learn eight scenes.
 
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called before each part.
+
     Raises:
         SceneError: If checkpoint or data cannot be used.
         BenchError: If the checkpoint is of another preset.
@@ -62,7 +72,7 @@ def rows(cfg: MethodBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     train, held_out = training_scenes(cfg.data)
     scenes = prepared(cfg.data.name, train, held_out, preset=cfg.preset).held_out
     assert isinstance(scenes, FlatTrainingSet)
-    # Every other held-out scene has fitted the network's trust; those between judge it.
+    # Every other held-out scene has fitted the network's trust, so the others must judge it.
     judged_on = scenes.examples[1::2][: cfg.count]
     judged = _Judged(checkpoint, scenes.with_examples(judged_on))
     on_progress("holding the network against the formula", 0.1)
@@ -76,7 +86,7 @@ def rows(cfg: MethodBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 
 
 class _Judged:
-    """A trained network with scenes that it has not seen."""
+    """A trained network, with scenes that it has not seen."""
 
     def __init__(self, checkpoint: Checkpoint, scenes: FlatTrainingSet) -> None:
         known = checkpoint.known
@@ -96,13 +106,13 @@ class _Judged:
             paper_sampler(has_regions=bool(known.has_regions)),
             parameterisation=sections["loss"].parameterisation,
         )
-        # As the checkpoint has them, not as these scenes' own training split would.
+        # The network's inputs are scaled by the checkpoint's statistics, not by these scenes' own.
         scenes = replace(scenes, statistics=known)
         starts = range(0, len(scenes.examples), _BATCH)
         self._batches = [scenes.in_order(start, _BATCH) for start in starts]
 
     def ratio_rows(self) -> Iterator[Row]:
-        """Squared errors by the formula's: the worst of all times, and the mean."""
+        """Yield squared errors over the formula's, for each group of channels: worst and mean."""
         found = [self._ratios(ratio) for ratio in NOISE_TO_SIGNAL]
         for name in GROUPS:
             values = [ratios[name] for ratios in found if name in ratios]
@@ -114,6 +124,7 @@ class _Judged:
 
     def _ratios(self, noise_to_signal: float) -> dict[str, float]:
         time = time_of(self._schedule, noise_to_signal)
+        # The same noise for every checkpoint, so that their figures can be compared.
         generator = torch.Generator().manual_seed(_SEED)
         sums = {name: np.zeros(2) for name in GROUPS}
         for batch in self._batches:
@@ -126,10 +137,11 @@ class _Judged:
                 for k, guess in enumerate(guesses):
                     error = ((guess - eps).square() * is_free)[..., channels]
                     sums[name][k] += float(error.sum())
+        # A group of channels that these scenes leave empty has no error to compare.
         return {name: float(own / formula) for name, (own, formula) in sums.items() if formula}
 
     def heading_row(self) -> Row:
-        """How far drawn headings are off, given contents and quarter turns of a scene."""
+        """Return the mean error of drawn headings, given contents and quarter turns of a scene."""
         generator = torch.Generator().manual_seed(_SEED)
         off_deg = []
         for batch in self._batches:
@@ -150,7 +162,10 @@ class _Judged:
         return lower("heading off, given the quarter turn, mean", mean_deg, "deg", MOST_HEADING_DEG)
 
     def guidance_rows(self) -> Iterator[Row]:
-        """Share of each objective in the lengths of the steps that guidance takes."""
+        """Yield the share of each objective in the lengths of the steps that guidance takes.
+
+        An objective with a tiny share has no effect, whatever its weight says.
+        """
         time = time_of(self._schedule, _GUIDED_AT)
         generator = torch.Generator().manual_seed(_SEED)
         lengths: dict[str, float] = {}
@@ -159,6 +174,7 @@ class _Judged:
             with torch.no_grad():
                 eps = self._network(x_t, time.expand(len(x_t)), batch).output
             alpha, sigma = self._schedule.signal_and_noise(time)
+            # The clean layout that the predicted noise implies; guidance works on it.
             x0 = (x_t - sigma * eps) / alpha * is_free
             for name, step in self._objectives.steps(x0, batch).items():
                 lengths[name] = lengths.get(name, 0.0) + float(step.norm(dim=-1).sum())

@@ -1,8 +1,8 @@
-"""Hover environments of other projects beside ours, one at a time, and many at once.
+"""Hover environments of other projects beside ours, one at a time and many at once.
 
-None of the projects is a dependency: each is measured where it is installed, as its documentation
-starts it, with its own vehicle and reward. Their physics has our 500 Hz where they let it; where a
-step is not as long as ours, physics steps and simulated time are what can be compared.
+None of the projects is a dependency. Each is measured if it is installed, started as its
+documentation does, with its own vehicle and reward. Their physics runs at our 500 Hz if they allow
+it. If a step is not as long as ours, compare physics steps and simulated time instead of steps.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from scenarios.bench.configs import BenchError, PeerName
 from scenarios.bench.row import Row, higher
 
 _WARM_UP_S = 1.0
-"""Simulated time that is not counted: some compile their kernels meanwhile."""
+"""Simulated time that is not counted, because some projects compile their kernels meanwhile."""
 _N_TOGETHER = 64
 
 
@@ -38,9 +38,9 @@ class Peer(NamedTuple):
     make: Callable[[], Any]
     package: str
     source: str
-    """Where the package comes from."""
+    """Command or repository from which the package can be installed."""
     n_worlds: int = 1
-    """Environments that are stepped together; they begin their next episodes by themselves."""
+    """Number of environments that are stepped together; more than one reset themselves."""
 
 
 def _pyflyt() -> Any:
@@ -120,10 +120,13 @@ OURS = (
 
 
 def check_installed(names: Sequence[PeerName]) -> None:
-    """Refuse peers that are not installed.
+    """Refuse peers that are not installed, before anything is measured.
+
+    Args:
+        names: Peers, keys of `PEERS`.
 
     Raises:
-        BenchError: Naming the first of them.
+        BenchError: Naming the first peer that is missing.
     """
     for name in names:
         first = PEERS[name][0]
@@ -132,11 +135,11 @@ def check_installed(names: Sequence[PeerName]) -> None:
 
 
 def peer_rows(names: Sequence[PeerName], seconds: float) -> Iterator[Row]:
-    """Steps of our environments, then of each peer's, with the action in the middle of its box.
+    """Step our environments, then each peer's, with the action in the middle of its box.
 
     Args:
-        names: The peers, keys of `PEERS`.
-        seconds: Simulated time that each is stepped.
+        names: Peers, keys of `PEERS`.
+        seconds: Simulated time that each environment is stepped.
 
     Raises:
         BenchError: If one of them, or what it needs, is not installed or does not start.
@@ -161,10 +164,10 @@ def _unavailable(peer: Peer, why: str) -> BenchError:
 
 
 def stepping_s(peer: Peer, seconds: float) -> float:
-    """CPU seconds of an environment's steps, with a new episode where one ends.
+    """Return the CPU seconds of an environment's steps; ended episodes are begun anew.
 
     Args:
-        peer: What makes it.
+        peer: Environment to make and step.
         seconds: Simulated time.
 
     Raises:
@@ -183,7 +186,7 @@ def stepping_s(peer: Peer, seconds: float) -> float:
 
 
 def _step(environment: Any, action: np.ndarray, n: int) -> float:
-    """CPU seconds of n steps, without those of resets: some build their world anew in each."""
+    """Return the CPU seconds of n steps without resets, in which some build their world anew."""
     spent_s = 0.0
     for _ in range(n):
         begun_s = time.process_time()
@@ -195,20 +198,24 @@ def _step(environment: Any, action: np.ndarray, n: int) -> float:
 
 
 def _step_together(environment: Any, action: np.ndarray, n: int) -> float:
-    """CPU seconds of n steps of many environments, which reset themselves."""
+    """Return the CPU seconds of n steps of many environments, which reset themselves."""
     reward: Any = None
     begun_s = time.process_time()
     for _ in range(n):
         reward = environment.step(action)[1]
-    # Some compute behind our back until somebody looks at what came of it.
+    # Some compute asynchronously, as JAX does, so the last result is read before the clock.
     np.asarray(reward)
     return time.process_time() - begun_s
 
 
 @contextlib.contextmanager
 def _quiet_stdout() -> Iterator[None]:
-    """Send to stderr what Bullet's C++ writes to the standard output, which may be JSON."""
+    """Redirect standard output to standard error.
+
+    Bullet's C++ code writes to standard output, which may carry our JSON.
+    """
     sys.stdout.flush()
+    # By file descriptors, since C++ does not write through `sys.stdout`.
     kept = os.dup(1)
     os.dup2(2, 1)
     try:

@@ -1,4 +1,8 @@
-"""Quality of generated scenes: rows computed from scenes alone, whoever made them."""
+"""Quality of generated scenes: rows computed from scenes alone, whoever made them.
+
+A figure such as a collision rate means little by itself. Each row therefore stands beside the same
+figure of the corpus, which is the target where generated scenes should be as good as real ones.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +44,7 @@ _BY_SCENE = (
     "plausibility",
     "plausibility_place",
 )
-"""Figures whose reference is the test split."""
+"""Figures of single scenes, whose reference is the test split."""
 _OF_SETS = (
     "category_kl",
     "cooccurrence_kl",
@@ -49,7 +53,7 @@ _OF_SETS = (
     "coverage",
     "classifier_accuracy",
 )
-"""Figures against the test split; their reference is as many scenes of the training split."""
+"""Distances of a set from the test split; their reference is as many training scenes."""
 _OF_COPIES = (
     "training_distance",
     "least_training_distance",
@@ -58,19 +62,19 @@ _OF_COPIES = (
     "known_skeletons",
     "known_coarse_skeletons",
 )
-_COLLISIONS = _BY_SCENE[:6]
+_COLLISIONS = _BY_SCENE[:6]  # lower is better, and the test split sets the target
 _OF_PLACES = tuple(check.key for check in CHECKS)
 _GOALS = {
     "plausibility": 6.65,
     "classifier_accuracy": 65.0,
     **{check.key: check.goal for check in CHECKS},
 }
-"""What generated scenes should reach where the corpus's own figure is not the target."""
+"""Targets of figures for which the corpus's own value is not the target."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Drawn:
-    """One draw of the generator."""
+    """One draw of the generator, before and after feasibility."""
 
     raw: Scene
     """Scene as sampled."""
@@ -80,7 +84,7 @@ class Drawn:
 
 
 def validity_rows(scenes: Sequence[Scene], where: str, target: float | None) -> Iterator[Row]:
-    """Share of objects that are free of others and supported as required.
+    """Yield the shares of objects that are free of others and supported as required.
 
     Args:
         scenes: Raw scenes, or real ones.
@@ -98,7 +102,12 @@ def validity_rows(scenes: Sequence[Scene], where: str, target: float | None) -> 
 
 
 def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> Iterator[Row]:
-    """Results and cost of the projection for all draws, including rejected ones."""
+    """Yield results and displacements of the projection, for all draws and rejected ones too.
+
+    Args:
+        draws: Draws of the generator.
+        on_scene: Called after each soundness check, which takes a quarter of a second.
+    """
     n_sound = 0
     for draw in draws:
         n_sound += fault(draw.projected) is None
@@ -118,17 +127,18 @@ def feasibility_rows(draws: Sequence[Drawn], on_scene: Callable[[], object]) -> 
 def comparison(figures: Mapping[str, Figures]) -> Iterator[Row]:
     """Compare every figure before and after feasibility with the corpus's own.
 
-    A figure of which a group holds nothing to judge, such as bridges, has no row of that group.
+    If a group has nothing to judge for a figure, such as bridges, it gets no row.
 
     Args:
-        figures: Figures of `RAW` where it is known what scenes were, of `FEASIBLE` where enough
-            scenes were not rejected, of `TEST` and of as many scenes of `TRAIN`.
+        figures: Figures by group: `TEST` and `TRAIN` always, `RAW` if the scenes before feasibility
+            are known, `FEASIBLE` if enough scenes were not rejected.
     """
     table = {row.key: row for row in comparison_rows(figures)}
     parts = ((_BY_SCENE, TEST), (_OF_SETS, TRAIN), (_OF_COPIES, TEST), (_OF_PLACES, TEST))
     for keys, truth in parts:
         for key in keys:
             for group in (RAW, FEASIBLE, truth):
+                # NaN stands for a figure with nothing to judge.
                 if group in figures and not math.isnan(table[key].values[group]):
                     yield _compared(table[key], group, _target(key, group, table))
 
@@ -138,6 +148,7 @@ def _target(key: str, group: str, table: Mapping[str, ComparisonRow]) -> float |
         return None
     if key in _COLLISIONS:
         return table[key].values[TEST]
+    # Feasibility may not move the scenes away from the corpus, up to the noise of the figure.
     if key == "mmd" and RAW in table[key].values:
         return table[key].values[RAW] + table["mmd_noise"].values[RAW]
     if key == "training_distance":
@@ -151,7 +162,11 @@ def _compared(row: ComparisonRow, group: str, target: float | None) -> Row:
 
 
 def statistics_rows(scenes: Sequence[Scene]) -> Iterator[Row]:
-    """Averages beside those of the paper's table, with their difference."""
+    """Yield averages beside those of the paper's table, with their difference.
+
+    Args:
+        scenes: Finished scenes, at least one.
+    """
     summaries = [summarise(scene, index) for index, scene in enumerate(scenes)]
     categories = {i: {obj.category for obj in scene.objects} for i, scene in enumerate(scenes)}
     for row in paper_table(summaries, categories):

@@ -1,4 +1,4 @@
-"""Recovery: a vehicle released in the air at any attitude and rate must come to a standstill."""
+"""Recovery: a vehicle that is released in the air, at any attitude and rate, must come to rest."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from flightsim.plant.cfg import ADVANCE_HZ
 from flightsim.world import World
 
 HEIGHT_M = 150.0
-"""Height of release."""
+"""Height of release above the ground."""
 TRIAL_S = 8.0
 _MAX_SPEED_MPS = 5.0
 _MAX_RATE_RADPS = 15.0
@@ -31,7 +31,7 @@ class Recovery:
     """Result of one trial."""
 
     is_recovered: bool
-    """Whether it stood still, level and in the air at the end."""
+    """True if it stood still, level and in the air at the end."""
     upright_s: float
     """Time after which the tilt stayed below 30 degrees."""
     height_lost_m: float
@@ -43,8 +43,9 @@ def recover(
 ) -> Recovery:
     """Release a vehicle with idling rotors and observe it.
 
-    The attitude is uniform over all rotations, velocity and roll and pitch rate are uniform in
-    their ball and disc, the yaw rate is uniform up to what half a second of yaw torque produces.
+    The attitude is uniform over all rotations. The velocity is uniform in a ball of 5 m/s, the
+    rates of roll and pitch in a disc of 15 rad/s. The yaw rate is uniform up to 5 rad/s, which half
+    a second of yaw torque produces.
 
     Args:
         world: World with nothing but a vehicle.
@@ -54,6 +55,7 @@ def recover(
     """
     plant = Plant(world, PlantCfg(seed=seed, state="truth"))
     _throw(plant, rng)
+    # One tick with idling rotors, as if the vehicle was thrown.
     plant.apply(IDLE)
     plant.advance()
     heights, tilts = [], []
@@ -63,6 +65,7 @@ def recover(
         plant.advance()
         heights.append(plant.truth.position_enu_m[2])
         tilts.append(_tilt(plant))
+    # Upright from the tick after the last one that was tilted.
     tilted = [k for k, tilt in enumerate(tilts) if tilt > _UPRIGHT_RAD]
     return Recovery(
         is_recovered=_is_at_rest(plant),
@@ -76,6 +79,8 @@ def _throw(plant: Plant, rng: np.random.Generator) -> None:
     model, body = plant.world.model, plant.world.vehicle_body_id
     q = model.jnt_qposadr[model.body_jntadr[body]]
     v = model.jnt_dofadr[model.body_jntadr[body]]
+    # A normalised normal vector is uniform on the sphere of quaternions; the roots below make
+    # rates uniform in a disc (square root) and velocities in a ball (cube root).
     quat = rng.normal(size=4)
     rate = _MAX_RATE_RADPS * math.sqrt(rng.uniform())
     about = rng.uniform(0.0, 2.0 * math.pi)

@@ -1,4 +1,8 @@
-"""Reference for generated scenes: a corpus in a folder, and the figures of its splits."""
+"""Reference for generated scenes: a corpus in a folder, and the figures of its splits.
+
+Distances between sets depend on the sets' sizes. The figures of generated scenes therefore stand
+beside those of as many training scenes, which show what real scenes reach.
+"""
 
 from __future__ import annotations
 
@@ -24,12 +28,15 @@ class Splits:
 
     @classmethod
     def of(cls, corpus: Dataset) -> Splits:
-        """Read both splits of a corpus."""
+        """Read all scenes of both splits of a corpus."""
         return cls(*(list(corpus.of_split(split).scenes()) for split in ("train", "test")))
 
 
 def open_corpus(folder: Path) -> Dataset:
-    """Open the scenes to compare with, checked before the minutes of work.
+    """Open the scenes to compare with, and check their number before any work.
+
+    Args:
+        folder: Folder of a dataset.
 
     Raises:
         DatasetError: If the folder holds no dataset, or too few scenes of a split.
@@ -51,7 +58,7 @@ def group_figures(
     seed: int,
     on_group: Callable[[str, float], object],
 ) -> dict[str, Figures]:
-    """Every figure of groups of scenes, of the test split and of a part of the training split.
+    """Return every figure of groups of scenes, of the test split and of some training scenes.
 
     Args:
         groups: Scenes by group name; groups of fewer than `N_FOLDS` are left out.
@@ -61,9 +68,11 @@ def group_figures(
         on_group: Called before each group with its name and the share done.
     """
     rng = np.random.default_rng(seed)
+    # It measures every training scene, and counts as that much work below.
     on_group("what the corpus is like", 0.0)
     reference = Reference.of(real.train, real.test)
     count = min(max(map(len, groups.values())), len(real.train))
+    # Drawn by chance, because the first scenes of a corpus need not be like the others.
     chosen = rng.choice(len(real.train), count, replace=False).tolist()
     judged = {**groups, TEST: real.test, TRAIN: [real.train[i] for i in chosen]}
     sizes = {name: len(scenes) for name, scenes in judged.items() if len(scenes) >= N_FOLDS}

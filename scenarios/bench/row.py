@@ -1,4 +1,4 @@
-"""Rows of a benchmark's output."""
+"""Rows of a benchmark's output: a figure with its unit, its target and its better direction."""
 
 from __future__ import annotations
 
@@ -12,32 +12,46 @@ OnProgress = Callable[[str, float], None]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Row:
-    """One figure."""
+    """One figure of a benchmark."""
 
     metric: str
     value: float
     unit: str
     target: float | None = None
-    """Target value; None if there is none."""
+    """Value that the figure should reach or keep below; None if there is no target."""
     better: Literal["higher", "lower"] = "higher"
 
     @property
     def is_met(self) -> bool:
-        """Whether the figure meets its target, or has none."""
+        """True if the figure meets its target, or has none."""
         if self.target is None:
             return True
         return self.value >= self.target if self.better == "higher" else self.value <= self.target
 
     def to_plain(self) -> dict[str, Any]:
-        """The row as plain data."""
+        """Return the row as plain data."""
         return asdict(self)
 
 
 def higher(metric: str, value: float, unit: str, target: float | None = None) -> Row:
-    """A figure that is the better the higher it is."""
+    """Return the row of a figure that is better if it is higher.
+
+    Args:
+        metric: Title of the figure.
+        value: Its value.
+        unit: Its unit; empty for a ratio or a count.
+        target: Least value that meets the target.
+    """
     return Row(metric=metric, value=value, unit=unit, target=target)
 
 
 def lower(metric: str, value: float, unit: str, target: float | None = None) -> Row:
-    """A figure that is the better the lower it is."""
+    """Return the row of a figure that is better if it is lower.
+
+    Args:
+        metric: Title of the figure.
+        value: Its value.
+        unit: Its unit; empty for a ratio or a count.
+        target: Greatest value that meets the target.
+    """
     return Row(metric=metric, value=value, unit=unit, target=target, better="lower")

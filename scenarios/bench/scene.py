@@ -1,6 +1,6 @@
 """`bench scene`: cost of making, compiling, stepping and rendering a scene.
 
-Times are CPU times of the process with all its threads: what one core alone would take.
+Times are CPU times of the process with all its threads, which is what one core alone would take.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from scenarios.bench.configs import SceneBenchCfg
 from scenarios.bench.row import OnProgress, Row, higher, lower
 
 MOST_CURATION_S = 1.0
-"""Mean time limit; two cores then make 1,016 scenes in under ten minutes."""
+"""Limit of the mean time; two cores then make 1,016 scenes in under ten minutes."""
 MOST_COMPILE_MS = 300.0
 MOST_STEP_US = 10.0
 LEAST_FRAMES_PER_S = 50.0
@@ -35,7 +35,7 @@ _N_PLACES = 6
 _HEIGHT_M = 1.2
 """Height above landing areas that is known to be free."""
 _N_STEPS = 1_500
-_N_TRIES = 2
+_N_TRIES = 2  # The smaller of two times is less disturbed by other processes.
 _SIZE_PX = (320, 240)
 _CAMERA = "forward"
 _T = TypeVar("_T")
@@ -49,14 +49,22 @@ class _Cost:
     compile_ms: float
     looks_ms: float
     step_us: float
-    """Median over places in the air."""
+    """Time of a physics step, median over places in the air."""
     frames_per_s: float
 
 
 def rows(cfg: SceneBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
-    """Measure scenes spread evenly over the corpus and its domains."""
+    """Measure scenes spread evenly over the corpus and its domains.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called before each scene.
+
+    Yields:
+        Median and 95th percentile of each cost.
+    """
     costs: list[_Cost] = []
-    # One-time loading and painting must count for no scene.
+    # One scene beforehand, because loading and painting once must count for none.
     _measure(0)
     for number in range(cfg.count):
         on_progress(f"scene {number + 1} of {cfg.count}", number / cfg.count)
@@ -65,7 +73,13 @@ def rows(cfg: SceneBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
 
 
 def scene_index(number: int, count: int) -> int:
-    """Corpus number of a sampled scene: evenly spread, the domains in turn."""
+    """Return the corpus number of a sampled scene: evenly spread, the domains in turn.
+
+    Args:
+        number: Number of the sample, from 0 to below `count`.
+        count: Number of samples.
+    """
+    # Scenes of the corpus take the domains in turn, so number and result must agree modulo 3.
     base = number * (CORPUS_SIZE - 2) // count
     return base + (number - base) % 3
 
@@ -86,7 +100,7 @@ def _measure(index: int) -> _Cost:
 
 
 def _timed(work: Callable[[], _T], tries: int = _N_TRIES) -> tuple[float, _T]:
-    """Least CPU time of a few tries, and the result."""
+    """Return the least CPU time of a few tries, and the result."""
     start_s = time.process_time()
     result = work()
     best_s = time.process_time() - start_s
@@ -98,7 +112,7 @@ def _timed(work: Callable[[], _T], tries: int = _N_TRIES) -> tuple[float, _T]:
 
 
 def _places(scene: Scene) -> np.ndarray:
-    """(n, 7) poses in the air, above areas spread through the list, with all headings."""
+    """Return (n, 7) poses in the air, above areas spread through the list, in all headings."""
     areas = scene.landing_areas
     chosen = [areas[i * len(areas) // _N_PLACES] for i in range(_N_PLACES)] if areas else []
     positions = [area.centroid for area in chosen] or [scene.start_position_enu_m]
@@ -112,8 +126,9 @@ def _places(scene: Scene) -> np.ndarray:
 
 
 def _step_us(world: World, places: np.ndarray) -> float:
-    """Time of MuJoCo's step with the vehicle in the air, carried by a force."""
+    """Return the time of MuJoCo's step with the vehicle in the air, carried by a force."""
     model, data = world.model, world.new_data()
+    # Without the force it would fall, and contacts would be measured instead of flight.
     weight_n = model.body_subtreemass[world.vehicle_body_id] * np.linalg.norm(model.opt.gravity)
     steps_us = []
     for place in places:
@@ -127,9 +142,10 @@ def _step_us(world: World, places: np.ndarray) -> float:
 
 
 def _frames_per_s(world: World, places: np.ndarray) -> float:
-    """Frame rate of colour and depth from the forward camera."""
+    """Return the frame rate of colour and depth from the forward camera."""
     data = world.new_data()
     with closing(open_camera_renderer(world, *_SIZE_PX)) as renderer:
+        # The first picture builds what later ones reuse.
         renderer.render(data, _CAMERA, 0)
         start_s = time.process_time()
         for place in places:
@@ -161,7 +177,7 @@ def _spread(
     p95_target: float | None,
     row: Callable[[str, float, str, float | None], Row] = lower,
 ) -> Iterator[Row]:
-    """Rows of the median scene and of the 95th percentile."""
+    """Yield rows of the median scene and of the one that only a twentieth are worse than."""
     tail = 0.95 if row is lower else 0.05
     for name, share, target in (("median", 0.5, median_target), ("p95", tail, p95_target)):
         yield row(f"{what}, {name}", float(np.quantile(values, share)), unit, target)

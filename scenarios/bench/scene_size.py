@@ -1,4 +1,8 @@
-"""How the plant's tick grows with the scene: hovering in one with more and more around it."""
+"""Growth of the plant's tick with the scene: a hover with few and with many solids around it.
+
+The cost of a tick should not depend on objects that are far away. Copies of the scene are therefore
+placed around it, and both worlds are stepped in turn.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +25,10 @@ from scenarios.bench.row import Row, lower
 
 FEW_GEOMS, MANY_GEOMS = 700, 2_500
 MOST_GROWTH = 1.4
-"""Target of a tick with many geoms over one with few."""
+"""Greatest ratio of a tick with many geoms to one with few."""
 _CLIMB_M = 10.0
 _ROUNDS = 10
-"""In which both take turns, so that they meet the same moods of the machine."""
+"""Turns of both worlds, so that a slow moment of the machine meets both alike."""
 
 
 def scene_size_rows(scene: Scene, airframe: Airframe, seconds: float) -> Iterator[Row]:
@@ -59,10 +63,11 @@ def scene_size_rows(scene: Scene, airframe: Airframe, seconds: float) -> Iterato
 
 
 def _around(scene: Scene, n: int) -> list[Primitive]:
-    """The first n solids of copies of a scene that stand around it."""
+    """Return the first n solids of copies of a scene that stand around it."""
     east_m, north_m, _ = np.subtract(scene.extent_max_enu_m, scene.extent_min_enu_m).tolist()
     solids = scene_primitives(scene)
     copies = []
+    # The eight neighbours of the scene itself, each shifted by its extent.
     for east, north in itertools.product((1, -1, 0), repeat=2):
         for solid in solids if (east, north) != (0, 0) else ():
             x, y, z = solid.position_enu_m
@@ -72,7 +77,7 @@ def _around(scene: Scene, n: int) -> list[Primitive]:
 
 
 def _hovering(world: World) -> Plant:
-    """A vehicle in the air."""
+    """Return a plant whose vehicle hovers above the scene's start."""
     plant = Plant(world, PlantCfg(seed=0, aiding="auto"))
     plant.align()
     east, north, up = plant.estimate.position_enu_m

@@ -1,4 +1,9 @@
-"""`bench sim`: the whole stack in a scene, then its parts, in simulated seconds per CPU second."""
+"""`bench sim`: the whole stack in a scene, then its parts, in simulated seconds per CPU second.
+
+The whole stack counts, because users run nothing less. Parts are measured after it, to show where
+time goes. Real UDP clients listen in a process of their own, so MAVLink's cost is included and
+theirs is not.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +41,7 @@ LEAST_SPEED = 30.0
 LONGEST_LAUNCH_S = 1.0
 CAMERA_HZ = 10
 _CAMERA_SHARE = 0.2
-"""Share of the benchmark's length for flights with cameras, which take long."""
+"""Share of the benchmark's duration for flights with cameras, which take long."""
 _CLIMB_M = 10.0
 _N_STEPS = 20_000
 _SPEED_UNIT = "simulated s / CPU s"
@@ -44,20 +49,24 @@ _SPEED_UNIT = "simulated s / CPU s"
 
 @dataclass(frozen=True, slots=True)
 class _Flight:
-    """Cost of a flight."""
+    """Durations and costs of one flight."""
 
     sim_s: float
     cpu_s: float
     wall_s: float
     shares_us: dict[str, float]
-    """Wall time of each part per tick."""
+    """Wall time of each part in a tick, us."""
     n_messages: int
     free_share: float
-    """Share of the physics steps that the kernel took itself."""
+    """Share of the physics steps that the kernel took itself, in free flight without MuJoCo."""
 
 
 def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Run every part of the benchmark.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called before each part.
 
     Raises:
         SceneError: If there is no such scene.
@@ -66,12 +75,14 @@ def rows(cfg: SimBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
         LaunchError: If a real launch brings no heartbeat.
     """
     scene, airframe = load_scene(cfg.scene), airframe_by_name(cfg.vehicle)
+    # Otherwise the first flight would count the compiler.
     compile_kernels()
     on_progress("whole stack", 0.0)
     yield from _whole_stack(cfg, scene)
     on_progress("cost of a client", 0.2)
     yield from client_rows(scene, cfg.vehicle, cfg.seconds)
     on_progress("plant alone", 0.25)
+    # The same world for the plant and for MuJoCo alone, so that their difference is the plant's.
     world = build_world(scene, airframe)
     yield _plant_alone(world, cfg.seconds)
     yield from scene_size_rows(scene, airframe, cfg.seconds)
@@ -117,6 +128,7 @@ def _fly(
         take_off(bench)
         if equip is not None:
             bench.observers += equip(bench, stack)
+        # Counters are read before and after the square, so that the climb is not counted.
         before, start_us = bench.simulator.timing, bench.plant.time_us
         n_messages, n_free = clients.n_messages(), bench.plant.n_free_steps
         cpu_s, wall_s = time.process_time(), time.perf_counter()
@@ -142,7 +154,7 @@ def _fly(
 
 
 def _plant_alone(world: World, seconds: float) -> Row:
-    """Speed of physics, sensors, estimator and controller, hovering."""
+    """Return the speed of physics, sensors, estimator and controller, hovering."""
     plant = Plant(world, PlantCfg(seed=0))
     east, north, up = plant.truth.position_enu_m
     for _ in range(100):
@@ -152,13 +164,14 @@ def _plant_alone(world: World, seconds: float) -> Row:
     for _ in range(round(seconds * 1e6 / TICK_US)):
         plant.advance()
     cpu_s = time.process_time() - cpu_s
+    # A vehicle on the ground would be measured with contacts.
     if plant.truth.position_enu_m[2] < up + 1.0:
         raise BenchError("the plant alone did not climb")
     return higher("plant alone", seconds / cpu_s, _SPEED_UNIT)
 
 
 def _physics_alone(world: World) -> Row:
-    """Speed of MuJoCo's step with the vehicle in the air, carried by a force."""
+    """Return the time of MuJoCo's step with the vehicle in the air, carried by a force."""
     model, data = world.model, world.new_data()
     data.qpos[2] += _CLIMB_M
     weight_n = model.body_subtreemass[world.vehicle_body_id] * np.linalg.norm(model.opt.gravity)
@@ -171,7 +184,8 @@ def _physics_alone(world: World) -> Row:
 
 
 def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
-    """Speed of the whole stack with a recording, optionally with both cameras in it."""
+    """Return the speed of the whole stack with a recording, optionally with both cameras in it."""
+    # Per simulated second the figures stay comparable, although this flight is shorter.
     seconds = cfg.seconds * (_CAMERA_SHARE if camera_hz else 1.0)
     flight = _fly(cfg, scene, seconds, lambda bench, stack: _equip(bench, stack, camera_hz))
     suffix = f" and both cameras at {camera_hz} Hz" if camera_hz else ""
@@ -179,7 +193,7 @@ def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
 
 
 def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Observer]:
-    """Observers that record a run to a temporary file."""
+    """Yield observers that record a run to a temporary file."""
     from scenarios.recording import Recorder, RunInfo
     from scenarios.run.watching import shutter
 

@@ -11,11 +11,15 @@ _VEHICLE = "iris"
 
 
 def fault(scene: Scene) -> str | None:
-    """Reason why a scene cannot be flown, in one line; None if it can.
+    """Return the reason why a scene cannot be flown, in one line; None if it can.
 
-    It has no forbidden overlap, everything is supported and lies in the flight volume, the start is
-    free, every landing area can be reached and is as stated, and there is at least one.
+    A sound scene has no forbidden overlap, and everything is supported and in the flight volume.
+    The start is free, there is at least one landing area, and each is as stated and can be reached.
+
+    Args:
+        scene: Scene to check, which takes about a quarter of a second.
     """
+    # The cheap check first; compiling comes last, because it takes longest.
     if not scene.landing_areas:
         return f"scene {scene.scene_id!r} has no landing area; valid: one at least"
     findings = validate(scene)
@@ -24,6 +28,6 @@ def fault(scene: Scene) -> str | None:
     try:
         build_world(scene, airframe_by_name(_VEHICLE))
     except ValueError as error:
-        # MuJoCo's compiler says what it refuses.
+        # MuJoCo's compiler names what it refuses.
         return f"scene {scene.scene_id!r} does not compile ({error})"
     return None

@@ -1,4 +1,4 @@
-"""The flight of the benchmarks of speed: up above everything, then a square."""
+"""The flight of the benchmarks of speed: a climb above everything, then a square."""
 
 from __future__ import annotations
 
@@ -9,14 +9,17 @@ from scenarios.bench.configs import BenchError
 
 _READY_S = 30.0
 _CLEARANCE_M = 5.0
-"""Height above everything, where nothing is in the way."""
+"""Height above all roofs, where nothing can be in the way."""
 _CLIMB_S = 30.0
 _LEG_S = 5.0
 _CORNERS_M = ((10.0, 0.0), (10.0, 10.0), (0.0, 10.0), (0.0, 0.0))
 
 
 def take_off(bench: Testbench) -> None:
-    """Wait until all vehicles are ready, and climb above all that the scene has.
+    """Wait until all vehicles are ready, and let them climb above the whole scene.
+
+    Args:
+        bench: Testbench at its start.
 
     Raises:
         BenchError: If one does not take off.
@@ -24,7 +27,7 @@ def take_off(bench: Testbench) -> None:
     simulator, plant, vehicles = bench.simulator, bench.plant, bench.vehicles
     while not all(each.autopilot.prearm.is_ok for each in vehicles):
         if plant.time_us >= _READY_S * 1e6:
-            break
+            break  # Arming below then names the reason.
         simulator.run(until_us=plant.time_us + 25 * TICK_US)
     roofs_m = max(o.bbox.p[2] + o.bbox.s[2] / 2 for o in bench.scene.objects)
     altitude_m = bench.scene.altitude_m + roofs_m + _CLEARANCE_M
@@ -38,7 +41,11 @@ def take_off(bench: Testbench) -> None:
 
 
 def fly_square(bench: Testbench, seconds: float) -> None:
-    """Fly from corner to corner for some simulated seconds, each vehicle in a square of its own.
+    """Fly from corner to corner, each vehicle in a square of its own.
+
+    Args:
+        bench: Testbench whose vehicles are in the air.
+        seconds: Simulated seconds.
 
     Raises:
         BenchError: If a corner is refused.
@@ -54,5 +61,6 @@ def fly_square(bench: Testbench, seconds: float) -> None:
             reply = each.autopilot.goto(corner)
             if not reply.is_accepted:
                 raise BenchError(f"flight to a corner refused: {reply.reason}")
+        # A leg lasts five seconds whether or not the corner is reached: the speed is measured.
         bench.simulator.run(until_us=min(end_us, plant.time_us + round(_LEG_S * 1e6)))
         leg += 1

@@ -22,21 +22,26 @@ _SETTLED_M = 0.05
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StepResponse:
-    """What a vehicle makes of a step of its attitude and of one of its position."""
+    """Figures of a vehicle's response to a step of its attitude and to one of its position."""
 
     hover_throttle: float
-    """Commanded collective thrust over the greatest, in hover."""
+    """Commanded collective thrust in hover, as a share of the greatest."""
     roll_rise_s: float
     """Time from 10 to 90 % of a step of the roll angle."""
     roll_overshoot: float
-    """Roll beyond the step, over the step."""
+    """Roll beyond the step, as a share of the step."""
     aside_settled_s: float
     """Time after which it stays within 5 cm of a point 2 m aside."""
     aside_overshoot_m: float
 
 
 def step_response(world: World, seed: int) -> StepResponse:
-    """Fly the steps in a world with nothing but a vehicle."""
+    """Fly the steps and return their figures.
+
+    Args:
+        world: World with nothing but a vehicle.
+        seed: Seed of the plant.
+    """
     plant = Plant(world, PlantCfg(seed=seed, state="truth"))
     hover_enu_m = take_off(plant)
     come_back(plant, hover_enu_m, _SETTLE_S)
@@ -48,8 +53,10 @@ def step_response(world: World, seed: int) -> StepResponse:
     x, y, z = hover_enu_m
     aside = come_back(plant, (x, y + ASIDE_M, z), _ASIDE_S)
     away_m = np.linalg.norm(aside.error_true_m, axis=1)
+    # Settled after the last moment outside, not after the first one inside.
     outside = np.flatnonzero(away_m > _SETTLED_M)
     come_back(plant, hover_enu_m, _ASIDE_S)
+    # The attitude last, because the vehicle flies away while its roll is commanded.
     share = _roll(plant, throttle) / ROLL_RAD
     return StepResponse(
         hover_throttle=throttle,
@@ -61,7 +68,7 @@ def step_response(world: World, seed: int) -> StepResponse:
 
 
 def _roll(plant: Plant, throttle: float) -> Float[np.ndarray, " n"]:
-    """Roll angle at each control tick after a step of the attitude."""
+    """Return the roll angle at each control tick after a step of the attitude."""
     half = 0.5 * ROLL_RAD
     tilted = Setpoint(
         level=ControlLevel.ATTITUDE,
@@ -78,6 +85,6 @@ def _roll(plant: Plant, throttle: float) -> Float[np.ndarray, " n"]:
 
 
 def _rise_s(share: Float[np.ndarray, " n"], rate_hz: int) -> float:
-    """Time between the first rows beyond 10 and 90 %; infinite if it never gets there."""
+    """Return the time between the first rows beyond 10 and 90 %, infinite without the latter."""
     low, high = (np.flatnonzero(share > level) for level in (0.1, 0.9))
     return float(high[0] - low[0]) / rate_hz if high.size else math.inf

@@ -30,12 +30,16 @@ LEAST_SPEED = 12.0
 _CLIMB_M = 10.0
 _SPEED_UNIT = "simulated s / CPU s"
 _OTHER = {"iris": "hummingbird"}
-"""Airframe that the configured one collides with besides its own kind; an Iris for any other."""
+"""Second airframe of the collisions, by the configured one; it is an Iris for any other."""
 _SEED = 0
 
 
 def rows(cfg: VehiclesBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Run every part of the benchmark.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called before each part.
 
     Raises:
         SceneError: If there is no such scene.
@@ -87,14 +91,16 @@ def _whole_stack(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> Ite
 
 
 def _plants_alone(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> Iterator[Row]:
-    """Cost of physics, sensors, estimators and controllers of all, hovering, and of one alone."""
+    """Yield the speed of all plants together, and the cost of one of them over one alone."""
     plant_cfg = PlantCfg(seed=0, aiding="auto")
     spent_s = []
     for n in (1, cfg.vehicles):
         first = Plant(build_world(scene, *[airframe] * n), plant_cfg)
         plants = (first, *first.mates)
+        # One call aligns and advances all: the first plant stands for the world.
         first.align()
         for plant in plants:
+            # Each climbs above its own start, so that none gets near another.
             east, north, up = plant.truth.position_enu_m
             plant.apply(hold((east, north, up + _CLIMB_M)))
         cpu_s = time.process_time()
@@ -119,6 +125,7 @@ def _collisions(cfg: VehiclesBenchCfg, on_progress: OnProgress) -> Iterator[Row]
     n_done, pairs = 0, ((own, own), (own, other), (other, other))
     for k, pair in enumerate(pairs):
         collider = Collider(build_world(field, *pair), np.random.default_rng([_SEED, k]))
+        # Thirds by rounding the sums, so that they add up to the whole number.
         n = cfg.collisions * (k + 1) // len(pairs) - n_done
         for collision in islice(collider.collide(), n):
             found.append(collision)

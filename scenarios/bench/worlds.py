@@ -1,4 +1,8 @@
-"""`bench worlds`: many vehicles, each in a world of its own, and the environments over them."""
+"""`bench worlds`: many vehicles, each in a world of its own, and the environments over them.
+
+Learning needs many worlds at once. The benchmark measures the fleet of plants on one thread and on
+two, then the environments of Gymnasium over it, and the ends of their episodes.
+"""
 
 from __future__ import annotations
 
@@ -22,25 +26,30 @@ from scenarios.bench.row import OnProgress, Row, higher, lower
 LEAST_SPEED, LEAST_TRUE_SPEED = 650.0, 900.0
 """Targets in simulated seconds per wall second on two quiet cores, with sensors and without."""
 LEAST_GAIN = 1.8
-"""Target of two threads over one."""
+"""Least speed of two threads over that of one."""
 LEAST_STEPS, LEAST_DEPTH_STEPS = 30_000.0, 2_000.0
 """Targets in steps of an environment a second."""
 DEPTH_PX = (64, 64)
 _CLIMB_M = 6.0
 _DEPTH_SHARE = 0.1
-"""Share of the benchmark's length for images, which take long."""
+"""Share of the benchmark's duration for images, which take long."""
 _ROUNDS = 10
-"""In which one thread and two take turns, so that both meet the same moods of the machine."""
+"""Turns of one thread and two, so that a slow moment of the machine meets both alike."""
 
 
 def rows(cfg: WorldsBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     """Run every part of the benchmark.
+
+    Args:
+        cfg: Options of the benchmark.
+        on_progress: Called before each part.
 
     Raises:
         SceneError: If there is no such scene.
         AirframeError: If there is no such vehicle.
         BenchError: If gymnasium or a peer is not installed, or the vehicles do not fly.
     """
+    # Optional packages first, so that a missing one is reported before minutes of work.
     if importlib.util.find_spec("gymnasium") is None:
         raise BenchError("gymnasium is not installed; valid: pip install 'aeroscene[rl]'")
     check_installed(cfg.peers)
@@ -72,13 +81,14 @@ def _fleet_rows(worlds: list[World], cfg: WorldsBenchCfg) -> Iterator[Row]:
     yield higher("two threads over one", wall_s[0] / wall_s[1], "", LEAST_GAIN)
     yield higher(f"{what}, one thread", sim_s / cpu_s[0], "simulated s / CPU s")
     yield lower("CPU time on two threads over one", cpu_s[1] / cpu_s[0], "")
+    # One world alone is fast, so it is stepped ten times as long.
     with _hovering(worlds[:1], sensing[:1], 1) as one:
         _, one_s = _time(one.advance, round(10 * cfg.seconds * ADVANCE_HZ))
     yield higher("one world", 10 * cfg.seconds / one_s, "simulated s / CPU s")
 
 
 def _true_state_rows(worlds: list[World], cfg: WorldsBenchCfg) -> Iterator[Row]:
-    """The plant as environments have it by default: the controller knows the truth."""
+    """Yield figures of plants as environments use them by default, with the true state."""
     true = [PlantCfg(seed=i, state="truth", has_sensors=False) for i in range(len(worlds))]
     wall_s, cpu_s = _fly(worlds, true, cfg.seconds)
     sim_s, what = len(worlds) * cfg.seconds, f"{len(worlds)} worlds by the true state, no sensors"
@@ -88,7 +98,7 @@ def _true_state_rows(worlds: list[World], cfg: WorldsBenchCfg) -> Iterator[Row]:
 
 
 def _fly(worlds: list[World], cfgs: list[PlantCfg], seconds: float) -> tuple[list[float], ...]:
-    """Wall time and CPU time of flying on one thread and on two."""
+    """Return wall times and CPU times of flying on one thread and on two."""
     wall_s, cpu_s = [0.0, 0.0], [0.0, 0.0]
     n_steps = round(seconds / _ROUNDS * ADVANCE_HZ)
     with _hovering(worlds, cfgs, 1) as alone, _hovering(worlds, cfgs, 2) as together:
@@ -96,16 +106,18 @@ def _fly(worlds: list[World], cfgs: list[PlantCfg], seconds: float) -> tuple[lis
             for i, fleet in enumerate((alone, together)):
                 spent = _time(fleet.advance, n_steps)
                 wall_s[i], cpu_s[i] = wall_s[i] + spent[0], cpu_s[i] + spent[1]
+        # Vehicles that fell would have been measured in contact with the ground.
         for fleet in (alone, together):
             _check_flight(fleet)
     return wall_s, cpu_s
 
 
 def _hovering(worlds: list[World], cfgs: list[PlantCfg], n_threads: int) -> Fleet:
-    """Vehicles that hold their places above the start, estimators aligned where there are any."""
+    """Return a fleet whose vehicles hold their places above the start, estimators aligned."""
     fleet = Fleet(worlds, cfgs, n_threads=n_threads)
     starts_enu_m = np.array([world.scene.start_position_enu_m for world in worlds])
     places_enu_m = starts_enu_m + np.array([0.0, 0.0, _CLIMB_M])
+    # Held in the air while estimators align, then released: no take-off needs to be simulated.
     for i, (place, plant_cfg) in enumerate(zip(places_enu_m.tolist(), cfgs, strict=True)):
         fleet.restart(i, plant_cfg.seed, plant_cfg.wind, held_at=[(place, LEVEL)])
     fleet.align(range(len(worlds)))
@@ -140,6 +152,7 @@ def _environment_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
         env_cfg = EnvironmentCfg(vehicle=cfg.vehicle, action="velocity", observation=observation)
         env = AeroSceneVectorEnv("hover", cfg.worlds, cfg.scenes, env_cfg, 2)
         env.reset(seed=0)
+        # Zero velocity keeps every vehicle where it is, so that no episode ends.
         actions = np.zeros((cfg.worlds, 4))
         n = max(1, round(share * n_steps))
         wall_s, cpu_s = _time(lambda env=env, actions=actions: env.step(actions), n)
@@ -150,7 +163,7 @@ def _environment_rows(cfg: WorldsBenchCfg) -> Iterator[Row]:
 
 
 def _time(step: Callable[[], object], n: int) -> tuple[float, float]:
-    """Wall time and CPU time of all threads for n steps."""
+    """Return wall time, and CPU time of all threads, for n steps."""
     wall_s, cpu_s = time.perf_counter(), time.process_time()
     for _ in range(n):
         step()

@@ -1,1 +1,1 @@
-"""Language models that the user names, asked over HTTP as OpenAI's servers are."""
+"""Language models behind an address that the user names, asked by OpenAI's chat/completions API."""

@@ -1,6 +1,8 @@
 """One request to a server that speaks `chat/completions` as OpenAI's does.
 
-Its answer is data from a stranger: bounded in size and time, and decoded in one typed pass.
+Many servers speak this API, hosted ones and local ones such as llama.cpp, so one small client does
+for all, and no library of a vendor is needed. An answer is data from a stranger. It is bounded in
+size and time, and decoded in one typed pass.
 """
 
 from __future__ import annotations
@@ -17,14 +19,14 @@ import msgspec
 from scenarios.chat.posting import MOST_BYTES, Answer, posted
 
 KEY = "OPENAI_API_KEY"
-"""Environment variable of the key that the endpoint may want."""
+"""Environment variable with the key that an endpoint may require."""
 MOST_SECONDS = 120.0
-"""Time for the whole answer."""
+"""Default time limit for the whole answer."""
 _TO = "/chat/completions"
 
 
 class ChatError(ValueError):
-    """An endpoint cannot be used; one line names the option and the address."""
+    """An endpoint cannot be used; the message names the option and the address in one line."""
 
 
 class _Message(msgspec.Struct):
@@ -41,7 +43,7 @@ class _Completion(msgspec.Struct):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ChatModel:
-    """A model at an address."""
+    """A language model at an address, with the words for messages about it."""
 
     endpoint: str
     """Base address such as `http://127.0.0.1:8080/v1`."""
@@ -52,14 +54,14 @@ class ChatModel:
     instead: str = ""
     """Alternative to a model that does not answer, for messages."""
     most_seconds: float = MOST_SECONDS
-    """Time for the whole answer."""
+    """Time limit for the whole answer."""
 
     @property
     def address(self) -> SplitResult:
         """Parts of the address.
 
         Raises:
-            ChatError: If it is none.
+            ChatError: If the endpoint is no address of a server.
         """
         return address_of(self.endpoint, self.option)
 
@@ -71,21 +73,23 @@ def ask_model(
     *,
     schema: tuple[str, Mapping[str, Any]] | None = None,
 ) -> str:
-    """Let a model answer.
+    """Send messages to a model, and return its answer.
 
     Args:
-        chat: The model.
-        messages: Messages as the API has them: `role`, and `content` as a text or as parts.
-        environment: Where the key is looked for. It is sent over https and to this machine only.
+        chat: Model to ask.
+        messages: Messages of the API: `role`, and `content` as a text or as parts.
+        environment: Variables among which the key is looked for. The key is sent over https, and
+            without it to this machine only.
         schema: Name of a JSON schema that the answer should follow, and the schema.
 
     Returns:
-        The content of its message, at most 256 KiB; not necessarily by the schema.
+        The content of its message, at most 256 KiB. It need not follow the schema.
 
     Raises:
         ChatError: If the endpoint cannot be reached, or does not answer as the API says.
     """
     address = chat.address
+    # Temperature 0, so that the same question gets the same answer as far as the server allows.
     plain = {"model": chat.model, "temperature": 0, "messages": messages}
     if schema is not None:
         name, shape = schema
@@ -108,26 +112,30 @@ def ask_model(
 
 
 def without_fence(content: str) -> str:
-    """JSON out of the block of code that many models wrap around it."""
+    """Return JSON without the block of code that many models wrap around it.
+
+    Args:
+        content: Content of an answer.
+    """
     inner = content.strip().removeprefix("```json").removeprefix("```")
     return inner.removesuffix("```").strip()
 
 
 def address_of(endpoint: str, option: str) -> SplitResult:
-    """Parts of an endpoint's address.
+    """Parse an endpoint's address.
 
     Args:
-        endpoint: The address.
+        endpoint: Address with http or https, without user name and query.
         option: Name of the option that gave it, for the message.
 
     Raises:
-        ChatError: If it is none.
+        ChatError: If it is no such address.
     """
     parts = urlsplit("")
     try:
         parts = urlsplit(endpoint)
         is_valid = parts.scheme in {"http", "https"} and bool(parts.hostname)
-        # The port is parsed when it is asked for.
+        # `urlsplit` parses the port only when it is read, and raises ValueError then.
         is_valid = is_valid and parts.port != 0 and not (parts.username or parts.query)
         is_valid = (
             is_valid and endpoint.isascii() and endpoint.isprintable() and " " not in endpoint
@@ -142,7 +150,11 @@ def address_of(endpoint: str, option: str) -> SplitResult:
 
 
 def is_private(address: SplitResult) -> bool:
-    """Whether nobody on the way can read what is sent."""
+    """Return true if nobody on the network can read the request: https, or this machine.
+
+    Args:
+        address: Parts of the endpoint's address.
+    """
     if address.scheme == "https" or address.hostname == "localhost":
         return True
     try:
@@ -152,14 +164,16 @@ def is_private(address: SplitResult) -> bool:
 
 
 def _path(address: SplitResult) -> str:
+    # Users paste either the base address or the full one.
     path = address.path.rstrip("/")
     return path if path.endswith(_TO) else f"{path}{_TO}"
 
 
 def _body(found: Answer | Exception | None, chat: ChatModel) -> bytes:
-    """The body of an answer that is one."""
+    """Return the body of a successful answer, and refuse everything else in one line."""
     valid = "an endpoint that answers chat/completions"
     who = f"{chat.option} {chat.endpoint!r}"
+    # None is the limit for the whole answer, TimeoutError the socket's own for a single step.
     if found is None or isinstance(found, TimeoutError):
         instead = chat.instead and f", or {chat.instead}"
         raise ChatError(
@@ -180,7 +194,7 @@ def _body(found: Answer | Exception | None, chat: ChatModel) -> bytes:
 
 
 def _sendable(key: str) -> str:
-    """A key that a header can hold; the message does not show it."""
+    """Return a key that a header can hold; the error's message does not show the key."""
     if not (key.isascii() and key.isprintable()):
         raise ChatError(f"{KEY} holds characters that no header may have; valid: the key alone")
     return key

@@ -39,6 +39,7 @@ Bench = (
     | Annotated[VehiclesBenchCfg, tyro.conf.subcommand("vehicles", prefix_name=False)]
 )
 
+# tyro keeps the names of subcommands to itself, so modules and `--json` need them once more.
 _NAMES: Mapping[type, str] = {
     SimBenchCfg: "sim",
     SceneBenchCfg: "scene",
@@ -61,7 +62,12 @@ class BenchCfg:
 
 
 def run(cfg: BenchCfg) -> int:
-    """Run the benchmark and print it; exit status 2 with one line where it cannot be run."""
+    """Run the benchmark that the command line chose, and print its table or JSON object.
+
+    Returns:
+        0 if every target is met, else 1. If the benchmark cannot run, the process exits with
+        status 2 and one line that names the reason.
+    """
     # Imported here because it is the whole stack, which `--help` does not need.
     from aeroscene.scene import SceneError
 
@@ -71,6 +77,7 @@ def run(cfg: BenchCfg) -> int:
         fail(_PROG, str(error))
     status = measure(_PROG, _NAMES[type(cfg.bench)], cfg.bench, module)
     if isinstance(cfg.bench, GenerateBenchCfg):
+        # A part of the corpus gives other figures than the whole one.
         from scenarios.cli.dataset.options import mention_shortfall
 
         mention_shortfall(_PROG, cfg.bench.data)
@@ -103,13 +110,18 @@ def measure(prog: str, name: str, bench: AnyBenchCfg, module: Any) -> int:
 
 
 def _module(bench: AnyBenchCfg) -> Any:
-    """Module of the benchmark; existing scenes have another one than generation."""
+    """Import and return the module of a benchmark, after cheap checks of its checkpoint.
+
+    `bench generate --scenes` measures existing scenes. It has a module of its own, because it needs
+    no PyTorch.
+    """
     is_made = isinstance(bench, GenerateBenchCfg) and bench.scenes is not None
     if isinstance(bench, GenerateBenchCfg | MethodBenchCfg) and not is_made:
         from aeroscene.learning import require_torch
 
         require_torch()
         if bench.checkpoint is not None:
+            # The head of the file alone: a wrong file is refused before PyTorch is loaded.
             from aeroscene.learning.training.presets import read_sections
 
             read_sections(bench.checkpoint)

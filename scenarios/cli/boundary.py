@@ -1,4 +1,10 @@
-"""Errors of files and of the machine, as the one line in which a command ends because of them."""
+"""Errors of files and of the machine, turned into the one line with which a command ends.
+
+Readers of files check every field themselves and name the one that is wrong. Some faults no reader
+foresees, such as a full disk in the middle of an export. A traceback helps a user little there, so
+the outermost call of each command passes the exception through `one_line`. Exceptions that may be a
+fault of AeroScene's own code keep their traceback.
+"""
 
 from __future__ import annotations
 
@@ -27,18 +33,27 @@ INPUT_ERROR_NAMES = frozenset(
 )
 """The classes of `scenarios.INPUT_ERRORS`, by name. Importing them loads the whole simulator, a
 second that a refusal should not cost."""
+# No space on the device, a quota that is used up, a file larger than the file system allows.
 _FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def one_line(error: Exception) -> str | None:
-    """What to say of an error that a user can mend; None where the fault may be ours.
+    """Return the line to print for an error that a user can mend.
 
-    Readers of files say which field is wrong. This is for what none of them has foreseen: a full
-    disk in the middle of an export, a document that is nested without end, a world that MuJoCo
-    refuses. `AEROSCENE_TRACEBACK=1` shows all of them with their traceback.
+    Readers of files report which field is wrong. This function covers what none of them foresees: a
+    full disk in the middle of an export, a document that is nested without end, a world that MuJoCo
+    refuses. With `AEROSCENE_TRACEBACK=1` in the environment it returns None for every error.
+
+    Args:
+        error: Exception that a command let through.
+
+    Returns:
+        A line that names the fault and what would be valid, or None if the error may be a fault of
+        our own code, which needs its traceback.
     """
     if os.environ.get("AEROSCENE_TRACEBACK") == "1":
         return None
+    # By name and through the bases: subclasses such as DatasetError, a SceneError, count too.
     if any(f"{kind.__module__}.{kind.__name__}" in INPUT_ERROR_NAMES for kind in type(error).mro()):
         return str(error)
     if isinstance(error, OSError):
@@ -55,7 +70,11 @@ def one_line(error: Exception) -> str | None:
 
 
 def of_file(error: OSError) -> str:
-    """Which file cannot be read or written, and why."""
+    """Return the line for an operating system's error: the file, the reason, and a way out.
+
+    Args:
+        error: Any OSError; without a file name the line holds the reason alone.
+    """
     reason = (error.strerror or str(error) or type(error).__name__).lower()
     if error.errno in _FULL:
         valid = "a disk with room"
@@ -68,7 +87,10 @@ def of_file(error: OSError) -> str:
 
 
 def _library_errors() -> tuple[type[Exception], ...]:
-    """Errors of MuJoCo and pyarrow, as far as they are loaded."""
+    """Return exception classes of MuJoCo and pyarrow, as far as these libraries are loaded.
+
+    A library that is not loaded cannot have raised, and importing it here would only cost time.
+    """
     found = [
         getattr(_loaded(module), name, None)
         for module, name in (

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from scenarios.chat.completions import ChatModel
 
 _PROG = "aeroscene campaign"
+# Scenes that `load_scene` composes from a seed; they mix with numbers in --scenes.
 _DISTRICT = re.compile(r"district:[0-9]{1,9}")
 _MOST_INSTANCE = 99
 """The last of `MAX_INSTANCES`, which the testbench has; `--help` should not load it."""
@@ -53,13 +54,13 @@ _MOST_INSTANCE = 99
 class CampaignCfg:
     """Fly trials of a pilot in many scenes and score them.
 
-    Trial N of a scene and a vehicle is always the same one. A campaign that was stopped, also by
-    kill -9, goes on where it was by the same command; more scenes, vehicles or trials are added by
-    naming more. Exit status 1 if every trial raised, hung or died, so that nothing is scored.
+    Trial N of a scene and a vehicle is always the same one. If a campaign was stopped, even by kill
+    -9, the same command continues it. To add scenes, vehicles or trials, name more of them. Exit
+    status 1 if every trial raised, hung or died, so that nothing is scored.
     """
 
     out: Annotated[Path, OutFolder()]
-    """Folder of the results; made where it is missing."""
+    """Folder of the results; it is made if it is missing."""
     scenes: str = "0:10"
     """Numbers of scenes of the dataset: A:B without B, single ones, and districts as district:SEED,
     joined by commas; or one place on a map as FILE.osm#W,S,E,N."""
@@ -68,14 +69,14 @@ class CampaignCfg:
     vehicles: str = "iris,hummingbird"
     """Airframes by their names, or files FILE.toml that describe them, joined by commas."""
     pilot: str = "demo"
-    """Who flies: demo is ours, mueller the same with motion primitives for a planner; potential
-    goes through a potential field, straight flies straight lines without looking; random, nearest,
-    perfect and vlm are for goals in words, see docs/goals.md; MODULE:CLASS is a class of your own,
-    mavlink a program of your own over MAVLink, see docs/campaigns.md."""
+    """Pilot to score. demo is ours; mueller is the same with motion primitives as its planner;
+    potential follows a potential field; straight flies straight lines without looking; random,
+    nearest, perfect and vlm are for goals in words, see docs/goals.md; MODULE:CLASS is a class of
+    your own, mavlink a program of your own over MAVLink, see docs/campaigns.md."""
     program: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --pilot mavlink: command that flies each trial, with its task as a line of JSON on
-    standard input. By default clients come by themselves, and each task is a line on standard
-    output."""
+    standard input. By default your clients connect by themselves, and each task is a line on
+    standard output."""
     endpoint: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --pilot vlm: address of a vision-language model that answers chat/completions as
     OpenAI's does, such as http://127.0.0.1:8080/v1. OPENAI_API_KEY is sent if it is set, over https
@@ -91,17 +92,17 @@ class CampaignCfg:
     loopback, each further one on the next such port. With --autopilot: the first worker has the
     ports of instance N, each further one those of the next."""
     recipe: Annotated[str | None, default_hint("the one in docs/campaigns.md")] = None
-    """What the tasks are drawn from: a TOML file that names starts, wind, traffic, sensors, map; or
-    one of the families that ship, such as crowd or storm, see docs/families.md."""
+    """Recipe from which tasks are drawn: a TOML file that names starts, wind, traffic, sensors and
+    map; or one of the families that ship, such as crowd or storm, see docs/families.md."""
     suite: Annotated[str | None, default_hint("none")] = None
-    """Fixed suite, aeroscene-300 or aeroscene-hard: names scenes, trials, vehicles and recipes by
+    """Fixed suite, aeroscene-300 or aeroscene-hard, which sets scenes, trials, vehicles and recipes
     itself."""
     families: Annotated[str, default_hint("all")] = ""
-    """With a suite of families: the families to fly, joined by commas; the others can follow in the
-    same folder."""
+    """With a suite of families: the families to fly, joined by commas. You can fly the others later
+    in the same folder."""
     record: Literal["none"] | RecordLevel = "none"
-    """What is recorded of each trial, as OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
-    docs/recording.md; the flights are the same."""
+    """Level of detail of each trial's recording, OUT/recordings/SCENE-VEHICLE-TRIAL.rrd, see
+    docs/recording.md. Recording does not change the flights."""
     camera_hz: CameraHz = 5.0
     """With --record: frames of each camera in a simulated second."""
     # Without a text of its own here, tyro would look for one in the sources.
@@ -111,22 +112,27 @@ class CampaignCfg:
     workers: Annotated[int, Range(1, MOST_WORKERS)] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     engine: Literal["local", "ray"] = "local"
-    """Where the processes are: on this machine, or on a cluster of Ray (aeroscene[cluster])."""
+    """local runs the processes on this machine, ray on a cluster of Ray (aeroscene[cluster])."""
     ray_address: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --engine ray: address of the cluster, such as auto or ray://HOST:10001. By default Ray
-    is started on this machine, on loopback alone, and ended afterwards."""
+    is started on this machine, on loopback only, and ended afterwards."""
     patience: Annotated[float, Range(0.0, unit="s", is_above=True)] = 900.0
     """Wall time for one trial, after which its process is ended and the trial counts as failed."""
     dry_run: bool = False
-    """Fly nothing: say how many trials would be flown and, by what those in OUT have cost, how
-    long that would take."""
+    """Fly nothing. Report how many trials would be flown, and how long that would take by the cost
+    of those in OUT."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object: trials, success_rate, interval_95, phases, groups, codes, and more;
     the same as OUT/summary.json."""
 
 
 def run(cfg: CampaignCfg) -> int:
-    """Fly the campaign; exit status 2 with one line where input or folder do not allow it."""
+    """Fly the trials that are not in the folder yet, and print the summary of all.
+
+    Returns:
+        0, or 1 if every trial raised, hung or died. Bad input or an unusable folder ends the
+        process with status 2 and one line.
+    """
     # Imported here because it is the whole simulator, which `--help` does not need.
     from scenarios.baselines.named import PilotError
     from scenarios.campaigns.campaign import CampaignError
@@ -146,6 +152,7 @@ def run(cfg: CampaignCfg) -> int:
         if cfg.dry_run:
             return _plan(cfg)
         summary = _fly(cfg)
+    # Refusals of pilots, programs and folders; scenes and airframes end in `boundary.one_line`.
     except refusals as error:
         fail(_PROG, str(error))
     except KeyboardInterrupt:
@@ -160,7 +167,7 @@ def run(cfg: CampaignCfg) -> int:
 
 
 def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
-    """Whether every trial ended by an error of the pilot or its process, so that none is scored."""
+    """Return true if the pilot or its process failed in every trial, so that none is scored."""
     from scenarios.campaigns.flyer import Mishap
 
     mishaps = {Mishap.RAISED.value, Mishap.HUNG.value, Mishap.DIED.value}
@@ -168,7 +175,7 @@ def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
 
 
 def _fly(cfg: CampaignCfg) -> dict[str, Any]:
-    """Fly what is left, and return the summary of all."""
+    """Fly the trials that are left, and return the summary of all."""
     from scenarios.campaigns.campaign import open_campaign
     from scenarios.campaigns.store import read_results
 
@@ -176,6 +183,7 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
     with open_campaign(cfg.out, suite) as campaign:
         left = campaign.left(trials)
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
+        # The rate that the bar shows is of the whole campaign, earlier runs of it included.
         known = read_results(cfg.out, ["success"])["success"].to_pylist()
         news = CampaignNews(cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal)
         with _engine(cfg, suite) as engine, progress_bar("", len(left), "trials") as advance:
@@ -186,19 +194,21 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
 
 
 def _plan(cfg: CampaignCfg) -> int:
-    """Say what would be flown, and how long that would take."""
+    """Print how many trials would be flown, and how long that would take."""
     from scenarios.campaigns.campaign import require_same_suite
     from scenarios.campaigns.engines.forecast import forecast, measured_costs
     from scenarios.campaigns.store import JOURNAL, SCHEMA, read_results
 
     trials, suite = _trials(cfg), _suite(cfg)
     suite.require_pilot()
+    # The real run would refuse a folder of another pilot or recipe; so does the plan.
     require_same_suite(cfg.out, suite)
     has_any = (cfg.out / JOURNAL).is_file()
     table = read_results(cfg.out) if has_any else SCHEMA.empty_table()
     done = set(table["trial_id"].to_pylist())
     left = [trial for trial in trials if trial.id not in done]
     costs = measured_costs(table)
+    # Without a flown trial there is no measured cost, and so no forecast.
     takes = forecast(left, costs, cfg.workers) if left and costs else None
     if cfg.json:
         facts = {} if takes is None else asdict(takes)
@@ -217,7 +227,7 @@ def _plan(cfg: CampaignCfg) -> int:
 
 
 def _trials(cfg: CampaignCfg) -> list[Trial]:
-    """All trials that are asked for; bad input ends the process."""
+    """Return all trials that are asked for; bad input ends the process."""
     from flightsim.vehicles import airframe_by_name
     from scenarios.campaigns.campaign import all_trials
 
@@ -229,6 +239,7 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
             f"families {cfg.families!r} needs a suite of families; valid: --recipe NAME for one",
         )
     scenes = _scenes(cfg.scenes)
+    # `dict.fromkeys` removes repeated names and keeps their order, which `set` would not.
     vehicles = list(dict.fromkeys(cfg.vehicles.split(",")))
     for vehicle in vehicles:
         airframe_by_name(vehicle)
@@ -237,7 +248,7 @@ def _trials(cfg: CampaignCfg) -> list[Trial]:
 
 
 def _chosen(cfg: CampaignCfg, suite: FixedSuite) -> list[Trial]:
-    """Trials of the families that are asked for; an unknown one ends the process."""
+    """Return the trials of the families that are asked for; an unknown one ends the process."""
     wanted = list(dict.fromkeys(cfg.families.split(","))) if cfg.families else []
     for name in wanted:
         if name not in suite.families:
@@ -247,7 +258,7 @@ def _chosen(cfg: CampaignCfg, suite: FixedSuite) -> list[Trial]:
 
 
 def _scenes(text: str) -> list[str]:
-    """Names of the scenes; bad input ends the process."""
+    """Return the names of the scenes; bad input ends the process."""
     from aeroscene.sources import is_map, load_scene
 
     if is_map(text):
@@ -257,6 +268,7 @@ def _scenes(text: str) -> list[str]:
     districts = [part for part in parts if _DISTRICT.fullmatch(part)]
     if len(districts) == len(parts):
         return list(dict.fromkeys(districts))
+    # An empty text would be refused as malformed, so districts alone have returned above.
     numbers = scene_numbers(",".join(part for part in parts if part not in districts))
     if numbers[-1] >= CORPUS_SIZE:
         fail(_PROG, f"scenes {text!r} has no scene {numbers[-1]}; valid: 0:{CORPUS_SIZE}")
@@ -296,6 +308,7 @@ def _suite(cfg: CampaignCfg) -> Suite:
         fail(_PROG, "pilot mavlink without --program waits on loopback; valid: --engine local")
     if cfg.ray_address is not None and cfg.engine != "ray":
         fail(_PROG, f"ray-address {cfg.ray_address!r} needs --engine ray")
+    # Worker K takes instance + K, and the ports of the last one must exist too.
     last = MAX_INSTANCES - cfg.workers
     has_ports = suite.stack is not None or (suite.is_external and cfg.program is None)
     if has_ports and not 0 <= cfg.instance <= last:
@@ -304,7 +317,17 @@ def _suite(cfg: CampaignCfg) -> Suite:
 
 
 def chat_model(prog: str, endpoint: str | None, model: str) -> ChatModel | None:
-    """Model at the address that is asked for; a model without one ends the process."""
+    """Return the language model at an address that the user names.
+
+    Args:
+        prog: Command that names itself in errors.
+        endpoint: Address of a server that answers chat/completions; None for no model.
+        model: Name of the model there.
+
+    Returns:
+        The model, or None without an address. A model's name without an address ends the process
+        with status 2.
+    """
     from scenarios.chat.completions import ChatModel
 
     if endpoint is None:
@@ -315,7 +338,7 @@ def chat_model(prog: str, endpoint: str | None, model: str) -> ChatModel | None:
 
 
 def _stack(cfg: CampaignCfg) -> FlightStack | None:
-    """The flight stack that is asked for; None for ours, bad input ends the process."""
+    """Return the flight stack that is asked for, None for ours; bad input ends the process."""
     from scenarios.campaigns.flight_stack import FlightStack
     from scenarios.campaigns.flyer import EXTERNAL
 
@@ -334,7 +357,7 @@ def _stack(cfg: CampaignCfg) -> FlightStack | None:
 
 
 def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
-    """The fixed suite of a name; options beside it that it would overrule end the process."""
+    """Return a fixed suite by name; options that it would overrule end the process."""
     from scenarios.campaigns.fixed import fixed_suite
 
     for option in ("scenes", "trials", "vehicles", "recipe"):
@@ -347,7 +370,7 @@ def _fixed(cfg: CampaignCfg, name: str) -> FixedSuite:
 
 @contextmanager
 def _engine(cfg: CampaignCfg, suite: Suite) -> Iterator[Engine]:
-    """What flies the suite."""
+    """Open the engine that runs trials in processes, and close it at the end."""
     from scenarios.campaigns.engines.cluster import ray_engine
     from scenarios.campaigns.engines.local import LocalEngine
     from scenarios.campaigns.external.flight import FIRST_PORT
@@ -356,6 +379,7 @@ def _engine(cfg: CampaignCfg, suite: Suite) -> Iterator[Engine]:
         with ray_engine(suite, cfg.patience, cfg.workers, cfg.ray_address) as engine:
             yield engine
         return
+    # Ten ports an instance, as everywhere in the testbench: 5760, 5770, ...
     port = FIRST_PORT + 10 * cfg.instance
     waits = suite.is_external and suite.program is None
     if waits:

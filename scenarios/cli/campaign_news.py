@@ -1,4 +1,4 @@
-"""What `aeroscene campaign` reports on standard error while trials come in."""
+"""News of a running campaign on standard error: progress, and the first failure of each code."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class CampaignNews:
     def __init__(
         self, folder: Path, n_left: int, outcomes: Iterable[bool | None], *, has_bar: bool
     ) -> None:
-        """Begin.
+        """Start with no trial of this run flown.
 
         Args:
             folder: Folder of the campaign.
             n_left: Number of trials that are to be flown.
             outcomes: Success of the trials that are in the folder already.
-            has_bar: Whether a progress bar is shown, so that lines of progress are not needed.
+            has_bar: True if a progress bar is shown, so that lines of progress are not needed.
         """
         self._folder = folder
         self._n_left = n_left
@@ -45,10 +45,16 @@ class CampaignNews:
         self._has_bar = has_bar
         self._codes: Counter[str] = Counter()
         self._has_hinted = False
+        # A log file of a long campaign must not be silent for hours, hence the upper limit.
         self._period = min(max(1, n_left // _LINES), _MOST_PERIOD)
 
     def add(self, row: Row, advance: Advance) -> None:
-        """Take in a trial that has ended."""
+        """Count a trial that has ended, move the bar, and print what is worth a line.
+
+        Args:
+            row: Result of the trial; needs success, code, trial_id, reason, scene, vehicle, trial.
+            advance: Function of the progress bar, called once.
+        """
         self._outcomes[row["success"]] += 1
         self._codes[row["code"]] += 1
         if row["success"] is False and self._codes[row["code"]] == 1:
@@ -66,17 +72,23 @@ class CampaignNews:
             _say(f"to fly it again and record it: {fly_command(self._folder, row)}")
 
     def _rate(self) -> str:
+        # Trials without a task have no success (None), and count neither way.
         n_judged = self._outcomes[True] + self._outcomes[False]
         return f"{self._outcomes[True] / n_judged:.1%}" if n_judged else "none"
 
 
 def fly_command(folder: Path, row: Mapping[str, object]) -> str:
-    """Command that flies a trial of a campaign again, with a recording."""
+    """Return the shell command that flies a trial of a campaign again, with a recording.
+
+    Args:
+        folder: Folder of the campaign.
+        row: Result of the trial; needs scene, vehicle and trial.
+    """
     words = ("--scene", row["scene"], "--vehicle", row["vehicle"], "--trial", row["trial"])
     return shell("aeroscene", "fly", "--out", folder, *map(str, words))
 
 
 def _say(text: str) -> None:
-    # Not by a terminal of rich's, which breaks lines; a bar that is shown moves below the line.
+    # Plain write, because rich would break long lines. A visible bar moves below the line.
     sys.stderr.write(f"{_PROG}: {' '.join(text.split())}\n")
     sys.stderr.flush()

@@ -1,4 +1,11 @@
-"""From the shell to a frozen configuration and back: parsing, errors in one line, exit status."""
+"""From the shell to a frozen configuration and back: parsing, errors in one line, exit status.
+
+tyro parses a command line into a dataclass, and prints its errors as framed boxes of several lines.
+Scripts and logs read single lines better, so `parse` catches each box and rewrites it as one line
+that names the option, the value and what would be valid. The module also makes Ctrl-C reliable.
+Python's own KeyboardInterrupt gets lost where a library catches every exception, so `interrupt`
+raises it again until the command ends.
+"""
 
 from __future__ import annotations
 
@@ -23,9 +30,10 @@ from scenarios.cli.help_text import flow_help
 from scenarios.cli.option_faults import option_faults
 
 EXIT_DONE = 0
-EXIT_NEGATIVE = 1
+EXIT_NEGATIVE = 1  # The command worked and its answer is no: a failed flight, a missed target.
 EXIT_BAD_INPUT = 2
 
+# One flag for each switch without a twin, `--speed` for `--bench.speed`, and no value "None".
 _CONFIG = (tyro.conf.FlagCreatePairsOff, tyro.conf.OmitArgPrefixes, tyro.conf.DisallowNone)
 # tyro frames its errors with lines or, where the terminal knows none, with ASCII.
 _SIDES = " │|"
@@ -57,16 +65,23 @@ def execute(
 ) -> int:
     """Parse a command line and run the command.
 
+    Args:
+        command: Dataclass of the options, or a union of such.
+        run: Function of the parsed options that does the work and returns the exit status.
+        prog: Command that names itself in errors and `--help`.
+        args: Words of the command line; None takes those of the process.
+
     Returns:
         The exit status; input that cannot be used ends the process with one line and status 2.
     """
-    # Without a home folder it would report at length where its list of fonts goes instead.
+    # Without a home folder, matplotlib would report at length where it puts its list of fonts.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     shown = logging.StreamHandler(sys.stderr)
     shown.setFormatter(_VisibleFormatter(f"{prog}: %(message)s"))
     logging.basicConfig(level=logging.WARNING, handlers=[shown])
     cfg = parse(command, prog, args)
-    # From here on there may be files and ports to close.
+    # From here on there may be files and ports to close, so Ctrl-C must unwind the stack. Before
+    # this line `entry._leave` ends the process at once.
     before = signal.signal(signal.SIGINT, interrupt)
     hook_before, sys.unraisablehook = sys.unraisablehook, _tell_unless_interrupt
     try:
@@ -91,13 +106,13 @@ def _tell_unless_interrupt(unraisable: sys.UnraisableHookArgs) -> None:
 
 
 def _run_within_boundary(prog: str, run: Callable[[], int]) -> int:
-    """Run a command; an error of files or of the machine ends it with one line and status 2."""
+    """Run a command; an error of a file or of the machine ends it with one line and status 2."""
     try:
         return run()
     except BrokenPipeError:
         raise  # The reader of our output has closed the pipe: no fault.
     except Exception as error:
-        raise_if_interrupted()  # A library made an exception of its own of it.
+        raise_if_interrupted()  # A library may have turned the interrupt into its own exception.
         if (line := one_line(error)) is None:
             raise
         fail(prog, line)
@@ -110,16 +125,17 @@ def interrupt(number: int, _: FrameType | None = None) -> NoReturn:
     that lost its Ctrl-C there ran to its end.
     """
     _interrupts.append(number)
+    # An interval timer keeps firing even if the present exception is swallowed.
     signal.signal(signal.SIGALRM, _insist)
     signal.setitimer(signal.ITIMER_REAL, _INSIST_S, _INSIST_S)
     raise KeyboardInterrupt
 
 
 def _insist(_number: int, _frame: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, unless files and processes are being closed because of an earlier.
+    """Raise KeyboardInterrupt, unless an earlier one is closing files and processes already.
 
-    The error that a `finally`, an `except` or an `__exit__` handles is the present one to a signal
-    handler, too.
+    A signal handler sees the exception that the interrupted `finally`, `except` or `__exit__`
+    handles as the present one. A KeyboardInterrupt in its chain means that closing is under way.
     """
     error = sys.exception()
     while error is not None:
@@ -130,24 +146,31 @@ def _insist(_number: int, _frame: FrameType | None) -> None:
 
 
 def interrupt_is_answered() -> None:
-    """Forget an interrupt: the command has ended because of it, or needs not end."""
+    """Forget an interrupt, and stop raising it again.
+
+    Call this once the command has ended because of it, or need not end: for example, when Ctrl-C
+    only closes a viewer.
+    """
     if _interrupts:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         _interrupts.clear()
 
 
 def raise_if_interrupted() -> None:
-    """Raise KeyboardInterrupt again where a library has swallowed it.
+    """Raise KeyboardInterrupt again if a library has swallowed it.
 
-    Callbacks, destructors and imports of compiled libraries do: 2 of 50 tries with Ctrl-C in the
-    first three seconds of a run flew on.
+    Callbacks, destructors and imports of compiled libraries swallow it. Without this call, 2 of 50
+    runs that got Ctrl-C in their first three seconds flew on.
+
+    Raises:
+        KeyboardInterrupt: If `interrupt` has raised, and nothing has answered it yet.
     """
     if _interrupts:
         raise KeyboardInterrupt
 
 
 class _VisibleFormatter(logging.Formatter):
-    """Writes out what a terminal would obey in the names of a message, line by line."""
+    """Shows control characters in a message as text, because names come from files of others."""
 
     def format(self, record: logging.LogRecord) -> str:
         return "\n".join(map(visible, super().format(record).split("\n")))
@@ -156,13 +179,24 @@ class _VisibleFormatter(logging.Formatter):
 def parse(command: Any, prog: str, args: list[str] | None = None, description: str = "") -> Any:
     """Parse a command line into the dataclass `command`, or into one of a union of them.
 
-    Prints one line and exits with status 2 where the command line is malformed, a number is out of
-    its range, or an output cannot be written; prints the help and exits with status 0 where it is
-    empty and a command is wanted.
+    Args:
+        command: Dataclass of the options, or a union of such.
+        prog: Command that names itself in errors and `--help`.
+        args: Words of the command line; None takes those of the process.
+        description: First paragraph of the help; empty takes the dataclass's docstring.
+
+    Returns:
+        The parsed options.
+
+    Raises:
+        SystemExit: With status 2 and one line if the command line is malformed, a number is out of
+            its range, or an output cannot be written. With status 0 after the help, if `--help` is
+            asked for or the line is empty and a command is needed.
     """
     args = sys.argv[1:] if args is None else args
     if not {"-h", "--help"}.isdisjoint(args):
         flow_help(command)
+    # tyro prints its box and exits. The box is caught, to be rewritten as one line.
     errors = io.StringIO()
     try:
         with contextlib.redirect_stderr(errors):
@@ -182,12 +216,13 @@ def parse(command: Any, prog: str, args: list[str] | None = None, description: s
 
 
 def _typed(command: Any, prog: str, args: list[str]) -> str:
-    """The program's name with the subcommand that was typed, where there is one."""
+    """Return the program's name, with the subcommand that was typed if there is one."""
     return f"{prog} {args[0]}" if args and args[0] in _subcommands(command) else prog
 
 
 def _subcommands(command: Any) -> set[str]:
-    """Names of which tyro expects one after the program's."""
+    """Return the names of the subcommands, empty for a command that has none."""
+    # tyro has no public list of them; its complaint about an empty command line has one.
     errors = io.StringIO()
     with contextlib.redirect_stderr(errors), contextlib.suppress(SystemExit):
         tyro.cli(command, args=[], config=_CONFIG)
@@ -196,12 +231,25 @@ def _subcommands(command: Any) -> set[str]:
 
 
 def default_hint(says: str, metavar: str | None = None) -> Any:
-    """Text of the default in the help of an option whose own default tells a user nothing."""
+    """Return a tyro mark that sets the text of an option's default in `--help`.
+
+    It serves options whose own default explains nothing, such as None or an empty text.
+
+    Args:
+        says: Words after "default: ", such as "the campaign's".
+        metavar: Placeholder of the value; None keeps tyro's.
+    """
     return tyro.conf.arg(help_behavior_hint=f"(default: {says})", metavar=metavar)
 
 
 def fail(prog: str, message: str) -> NoReturn:
-    """Say in one line on standard error what was wrong, and exit with status 2."""
+    """Print one line on standard error and exit with status 2.
+
+    Args:
+        prog: Command that names itself at the start of the line.
+        message: Fault and what would be valid. Line breaks become spaces, control characters become
+            visible, and everything after 2,000 characters is cut.
+    """
     line = visible(" ".join(message.split()))
     if len(line) > _MOST_CHARACTERS:
         line = f"{line[:_MOST_CHARACTERS]}..."
@@ -221,7 +269,11 @@ def handling_signals(handler: Callable[[int, FrameType | None], None]) -> Iterat
 
 
 def print_json(facts: Mapping[str, Any]) -> None:
-    """Print one object on standard output; figures keep four digits and three decimals."""
+    """Print one JSON object on one line of standard output.
+
+    Floats are rounded to three decimals, or to four significant digits where that keeps more. For
+    example, 0.000123456 becomes 0.0001235 and 12.34567 becomes 12.346.
+    """
     print(json.dumps(_rounded(facts)), flush=True)
 
 
@@ -236,7 +288,13 @@ def _rounded(value: Any) -> Any:
 
 
 def _one_line(tyro_box: str, prog: str) -> str:
-    """Content of tyro's error box in one line: the fault, a suggestion, and where help is."""
+    """Return the content of tyro's error box as one line: the fault, a suggestion, where help is.
+
+    Args:
+        tyro_box: Output of tyro, with frame.
+        prog: Command whose `--help` the line names.
+    """
+    # The first and the last line are the frame; horizontal rules part it into compartments.
     compartments: list[list[str]] = [[]]
     for line in tyro_box.splitlines()[1:-1]:
         text = line.strip(_SIDES)
@@ -255,6 +313,7 @@ def _one_line(tyro_box: str, prog: str) -> str:
 
 
 def _in_our_words(said: str) -> str:
+    # A message that no pattern knows, as after an update of tyro, is printed as it is.
     for pattern, words, valid in _IN_OUR_WORDS:
         if match := re.fullmatch(pattern, said):
             choices = re.findall(r"[^{}|,' ]+", match.expand(valid))

@@ -1,4 +1,4 @@
-"""`aeroscene compare`: two pilots by the trials that both have flown."""
+"""`aeroscene compare`: two pilots compared by the trials that both have flown."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from scenarios.cli.outputs import OutFile
 from scenarios.cli.terminal import Terminal, styled, terminal
 
 _PROG = "aeroscene compare"
+# Words of the terminal, and the keys that hold the counts of pairs by who succeeded.
 _COUNTS = {"A alone": "a_alone", "B alone": "b_alone", "both": "both", "neither": "neither"}
 _MOST_ROWS = 20
 """Trials and members of a group that the terminal shows one by one."""
@@ -31,16 +32,20 @@ class CompareCfg:
     first: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR_A")]
     """Folder of a campaign."""
     second: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR_B")]
-    """Folder of another one, of the same recipe and of another pilot or version."""
+    """Folder of another campaign, with the same recipe and another pilot or version."""
     html: Annotated[Path | None, OutFile(), default_hint("none")] = None
-    """File for a page of it."""
+    """File for a page of the comparison."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one JSON object instead: pairs, a, b, both, a_alone, b_alone, neither, difference,
     interval_95, p_value, groups, figures, differing."""
 
 
 def run(cfg: CompareCfg) -> int:
-    """Print the comparison; exit status 2 with one line where there is nothing to compare."""
+    """Print the comparison, and write the page if one is asked for.
+
+    Returns:
+        0. Folders without a pair of trials end the process with status 2 and one line.
+    """
     # pyarrow and the simulator: half a second that `--help` does not need.
     from scenarios.campaigns.campaign import CampaignError
     from scenarios.campaigns.store import StoreError
@@ -79,11 +84,12 @@ def _print(
     _add(rates, "all", found)
     for name, members in groups.items():
         if len(members) > _MOST_ROWS:
-            continue
+            continue  # --json has the long groups too.
         rates.add_section()
         for value, member in members.items():
             _add(rates, f"{name} {value}", member)
     console.print(rates)
+    # McNemar's test needs nothing but these counts: pairs that agree say nothing of a difference.
     counts = (f"{says} {found[name]}" for says, name in _COUNTS.items())
     console.print(f"{', '.join(counts)}; p = {found['p_value']:.3g} (McNemar, exact)")
     figures = Table("median of pairs", "pairs", "A", "B", "A - B", "95% interval")

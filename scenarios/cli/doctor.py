@@ -1,4 +1,4 @@
-"""`aeroscene doctor`: what this machine can do."""
+"""`aeroscene doctor`: a report of what this machine can do."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from scenarios.cli.progress import share_bar
 from scenarios.cli.terminal import styled, terminal
 from scenarios.doctor.diagnosis import Diagnosis, diagnose
 
+# Only a "problem" keeps the machine from flying; a "note" says that something works in part.
 _STYLES = {"ok": "green", "note": "yellow", "problem": "bold red"}
 
 
 @dataclass(frozen=True, kw_only=True)
 class DoctorCfg:
-    """Say what this machine can do, by doing it: libraries, ports, a take-off, a camera image.
+    """Report what this machine can do, by doing it: libraries, ports, a take-off, a camera image.
 
     Exit status 0 if it can fly, 1 if something essential is missing.
     """
@@ -26,7 +27,7 @@ class DoctorCfg:
 
 
 def run(cfg: DoctorCfg) -> int:
-    """Run all checks and print the results."""
+    """Run all checks and print the results; return 0 if the machine can fly, else 1."""
     with share_bar() as on_progress:
         diagnosis = diagnose(on_progress)
     if cfg.json:

@@ -1,4 +1,9 @@
-"""Entry points of the console scripts; Ctrl-C ends them silently from the first moment on."""
+"""Entry points of the console scripts; Ctrl-C ends them silently from the first moment on.
+
+These functions run before any heavy import, because some settings only work then: environment
+variables that MuJoCo, OpenBLAS and Arrow read when they load, and the handler for Ctrl-C. This
+module therefore imports nothing of the project but the command that is asked for.
+"""
 
 from __future__ import annotations
 
@@ -14,22 +19,23 @@ from collections.abc import Iterator
 from types import FrameType
 from typing import Any, NoReturn
 
-EXIT_INTERRUPTED = 130
+EXIT_INTERRUPTED = 130  # Shells report 128 + 2 for a process that SIGINT ended.
 _FLYING = {"sitl", "fly", "campaign"}
 """Commands that fly."""
 
 
 def aeroscene() -> int:
-    """The command `aeroscene`."""
+    """Run the command `aeroscene`, and return its exit status."""
     return _start("main")
 
 
 def aeroscene_sitl() -> int:
-    """The command `aeroscene-sitl`."""
+    """Run the command `aeroscene-sitl`, and return its exit status."""
     return _start("sitl")
 
 
 def _start(module: str) -> int:
+    # Answered without any command's imports, so that scripts can ask often.
     if sys.argv[1:] == ["--version"]:
         print(f"aeroscene {importlib.import_module('aeroscene').__version__}")
         return 0
@@ -65,17 +71,18 @@ def _print_anything() -> None:
 
 
 def _import(module: str) -> Any:
-    """Import a module with all that it imports."""
+    """Import a module with all that it imports, and keep those objects from the collector."""
     with lasting():
         return importlib.import_module(module)
 
 
 @contextlib.contextmanager
 def lasting() -> Iterator[None]:
-    """Make what is not garbage before the process ends, such as imports and a run's parts.
+    """Exempt the objects made inside this context from garbage collection until the process ends.
 
-    The collector would look through a million objects of numba's again and again: a tenth of a
-    launch, and as much of every later collection.
+    Use it for objects that live as long as the process, such as imported modules and the parts of a
+    run. Otherwise the collector would look through a million objects of numba's again and again.
+    That costs a tenth of a launch, and as much of every later collection.
     """
     gc.disable()
     try:
@@ -86,10 +93,10 @@ def lasting() -> Iterator[None]:
 
 
 def _end_interrupted() -> NoReturn:
-    """End with status 130, whatever the interpreter noticed of the interrupt.
+    """End the process with status 130, whatever the interpreter noticed of the interrupt.
 
-    It ends itself by SIGINT instead where KeyboardInterrupt passed through `exec`, which imports
-    of dataclasses and named tuples call; and its own end takes up to half a second.
+    The interpreter would end itself by SIGINT if KeyboardInterrupt passed through `exec`, which
+    imports of dataclasses and named tuples call. Its own shutdown also takes up to half a second.
     """
     # Threads and processes that libraries have started end here.
     atexit._run_exitfuncs()

@@ -1,4 +1,4 @@
-"""`aeroscene evaluate`: the paper's tables, and those that they lack, by one command each."""
+"""`aeroscene evaluate`: each table of the paper, and further ones, by one command."""
 
 from __future__ import annotations
 
@@ -47,31 +47,31 @@ _OURS = ("ours", "ours_shipped")
 class EvaluateCfg:
     """Compare methods that make scenes: train each, draw scenes, judge all alike.
 
-    Every method is given the same scenes and the same budget. Ctrl-C leaves the work as it is, and
-    the same command goes on from there; so does a larger --scenes. OUT then has TABLE.json, .md and
-    .png, pictures in TABLE-scenes.png, learning curves in TABLE-curves.png, and what was trained
-    and drawn under methods/.
+    Every method gets the same scenes and the same budget. Ctrl-C leaves the work as it is; the same
+    command goes on from there, and so does a larger --scenes. OUT then has TABLE.json, .md and
+    .png, pictures in TABLE-scenes.png, learning curves in TABLE-curves.png, and trained models and
+    drawn scenes under methods/.
     """
 
     table: Literal["synthesis", "ablation", "choices", "damage"] = "synthesis"
-    """synthesis has the methods; ablation ours and the paper's with parts taken away; choices
-    ours trained and sampled otherwise; damage real scenes damaged on purpose, which shows what the
-    figures see."""
+    """synthesis has the methods; ablation ours and the paper's with parts taken away; choices ours
+    trained and sampled otherwise; damage real scenes that are damaged on purpose, which shows to
+    what the figures respond."""
     data: Literal["corpus", "front3d", "procthor", "city"] = "corpus"
-    """Scenes to learn from and to be held against."""
+    """Scenes to learn from and to compare with."""
     path: Annotated[Path | None, default_hint("./corpus for the corpus")] = None
     """Folder that `aeroscene dataset build` has made, or your own file of neutral layouts."""
     protocol: Literal["ours", "diffuscene"] = "ours"
-    """How pictures are taken and what they are held against: ours in colour from above and from
-    aside; diffuscene as its authors do, from above in class colours, and furniture alone."""
+    """Way to take and compare pictures: ours in colour from above and from aside; diffuscene as its
+    authors do, from above in class colours, furniture alone."""
     room: Annotated[
         str | None, default_hint("bedroom with --protocol diffuscene, else all rooms")
     ] = None
-    """Layouts with this as attributes.room_type alone."""
+    """Use only layouts with this attributes.room_type."""
     out: Annotated[Path, OutFolder()] = Path("evaluation")
-    """Folder to work in; it is made where there is none."""
+    """Folder to work in; it is made if it is missing."""
     scenes: Annotated[int, Range(_LEAST_SCENES, 1_000_000)] = 1000
-    """Scenes of each method; of real ones as many as the test split has at most."""
+    """Scenes of each method; real ones are at most as many as the test split has."""
     methods: tuple[str, ...] = ()
     """Rows of the table by name. [default: all]"""
     cpu_minutes: Annotated[
@@ -81,7 +81,7 @@ class EvaluateCfg:
     steps: Annotated[int | None, Range(1, 1_000_000_000), default_hint("no limit")] = None
     """Budget of each method's training in steps; it ends at whichever comes first."""
     demo: Annotated[int, Range(0, 1_000_000)] = 0
-    """Of each method so many draws are flown by the demo, which should land."""
+    """Number of draws of each method that the demo flies and should land in."""
     seed: Annotated[int, SEEDS] = 0
     """Seed of trainings, draws and resampling."""
     width: Annotated[int, Range(16, 4096)] = 192
@@ -91,16 +91,21 @@ class EvaluateCfg:
     denoising_steps: Annotated[int, Range(1, 1000)] = 100
     """Denoising steps of the baselines that diffuse."""
     inception: Annotated[Path | None, default_hint("EfficientNet-Lite0")] = None
-    """inception-2015-12-05.pt, with whose features alone distances are called FID and KID."""
+    """File inception-2015-12-05.pt. Only distances of its features are called FID and KID."""
     threads: Annotated[int, THREADS] = 1
     """CPU threads."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: what the table is of, files, rows with method, metric, value,
+    """Print one JSON object: settings of the table, files, rows with method, metric, value,
     interval_95 and n, and leads of our methods over the best of the others."""
 
 
 def run(cfg: EvaluateCfg) -> int:
-    """Make the table; exit status 2 with one line where the input does not allow it."""
+    """Make the table, going on from earlier work in the folder, and print its main figures.
+
+    Returns:
+        0, or 130 if the user stopped it. Input that does not allow a table ends the process with
+        status 2 and one line.
+    """
     from aeroscene.learning import require_torch
     from aeroscene.metrics.discrepancy import TooFewScenesError
     from aeroscene.scene import SceneError
@@ -126,6 +131,7 @@ def _run(cfg: EvaluateCfg) -> int:
     require(ok=0 <= cfg.demo <= cfg.scenes, name="demo", value=cfg.demo, valid="0 to --scenes")
     baseline = BaselineCfg(width=cfg.width, levels=cfg.levels, steps=cfg.denoising_steps)
     minutes = 60.0 if cfg.cpu_minutes is None and cfg.steps is None else cfg.cpu_minutes
+    # Made for its check of the values alone.
     Budget(steps=cfg.steps, seconds=None if minutes is None else 60.0 * minutes)
     torch.set_num_threads(cfg.threads)
     room = cfg.room or ("bedroom" if cfg.protocol == "diffuscene" else None)
@@ -176,6 +182,7 @@ def _asked_to_stop() -> Iterator[threading.Event]:
 
     def ask(number: int, _frame: Any) -> None:
         event.set()
+        # The first signal waits for the end of a step. The second does not wait.
         signal.signal(number, signal.default_int_handler)
 
     with handling_signals(ask):
@@ -245,7 +252,7 @@ def _tell(
 def _leads(
     entrants: Sequence[Entrant], rows: Sequence[Row], metrics: Mapping[str, Metric]
 ) -> dict[str, list[Lead]]:
-    """Our own methods, each beside the best of those that are not ours."""
+    """Return, for each of our methods, its leads over the best of the others."""
     from scenarios.evaluation.leads import leads_of
 
     drawn = {row.method for row in rows}

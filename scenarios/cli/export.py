@@ -27,19 +27,23 @@ class ExportCfg:
     to: Literal["mjcf", "glb", "usd"]
     """Format of the file."""
     out: Annotated[Path, OutFolder()]
-    """Folder to write into; made where it is missing."""
+    """Folder to write into; it is made if it is missing."""
     scene: str = "42"
     """Scene of the dataset by number, corpus:N, gen:SEED, district:SEED, field, a scene file,
     one of a file of layouts, or a place on a map as FILE.osm#W,S,E,N."""
     vehicle: str = "iris"
-    """Airframe at the start: its name, a file FILE.toml that describes it, or none; an unknown name
-    is answered with the valid ones. A GLB has none."""
+    """Airframe at the start: its name, a file FILE.toml that describes it, or none. An unknown name
+    gets the valid ones as an answer. A GLB has no vehicle."""
     json: bool = False
     """Print one JSON object: file, format, scene, objects, areas, bytes, seconds."""
 
 
 def run(cfg: ExportCfg) -> int:
-    """Export; exit status 2 with one line where that is not possible."""
+    """Write the scene in the format that is asked for, and print the file's name and size.
+
+    Returns:
+        0. A scene that cannot be written ends the process with status 2 and one line.
+    """
     # Imported here because it is the whole simulator, which `--help` does not need.
     from aeroscene.sources import load_scene
     from flightsim.export.files import ExportError
@@ -49,6 +53,7 @@ def run(cfg: ExportCfg) -> int:
     began_s = time.perf_counter()
     airframes = [airframe_by_name(cfg.vehicle)] if cfg.vehicle != _NO_VEHICLE else []
     world = build_world(load_scene(cfg.scene), *airframes)
+    # By name, so that only the format that is asked for needs its library, such as usd-core.
     write = getattr(import_module(f"flightsim.export.{cfg.to}"), f"write_{cfg.to}")
     try:
         path = write(world, cfg.out)

@@ -40,12 +40,17 @@ class ExportTrialCfg:
     out: Path
     """File (ulog) or folder to write."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: out, format, trials, there (already), skipped, and left_out, what the
-    recordings hold and the format does not."""
+    """Print one JSON object: out, format, trials, there (already), skipped, and left_out, the parts
+    of the recordings that the format cannot hold."""
 
 
 def run(cfg: ExportTrialCfg) -> int:
-    """Export; exit status 2 with one line where that is not possible."""
+    """Write the recordings in the format that is asked for, and print what was left out.
+
+    Returns:
+        0. Recordings that cannot be exported end the process with status 2 and one line, unless one
+        of several goes into a dataset: that one is reported and skipped.
+    """
     # Imported here because rerun takes time that `--help` should not spend.
     from scenarios.recording.summary import UnreadableRecordingError
     from scenarios.trial_data.reading import TrialDataError
@@ -82,7 +87,10 @@ def _write_one(cfg: ExportTrialCfg) -> dict[str, Any]:
 
 
 def _writer(to: str) -> tuple[Callable[[RecordedTrial, Path], Path], Iterable[str]]:
-    """What writes a format, and the tables that it holds; only its own library is loaded."""
+    """Return the function that writes a format, and the tables that the format holds.
+
+    Only the library of that format is loaded, because the others are optional.
+    """
     from scenarios.trial_data.tables import TABLES
 
     if to == "mcap":
@@ -103,12 +111,17 @@ def _require_place(cfg: ExportTrialCfg) -> None:
     out = OutFile() if cfg.to == "ulog" else OutFolder()
     if fault := out.fault("out", cfg.out):
         fail(_PROG, fault)
+    # A bag and a folder of tables are of one trial: files of another would mix into them.
     if cfg.to in {"mcap", "csv"} and cfg.out.exists():
         fail(_PROG, f"out {str(cfg.out)!r} is there already; valid: a name that is free")
 
 
 def _add_all(cfg: ExportTrialCfg) -> dict[str, Any]:
-    """Add what is not in the dataset yet; of several recordings, bad ones are told and left out."""
+    """Add the recordings that the dataset does not hold yet.
+
+    A bad recording among several is reported and left out, so that one damaged file does not stop
+    the export of a campaign.
+    """
     from scenarios.recording.summary import UnreadableRecordingError
     from scenarios.trial_data.dataset.write import add_trial, has_trial
     from scenarios.trial_data.left_out import left_out
@@ -117,11 +130,12 @@ def _add_all(cfg: ExportTrialCfg) -> dict[str, Any]:
     files = _files(cfg.recordings)
     left = [path for path in files if not has_trial(cfg.out, path.stem)]
     n_skipped = 0
-    lacking: dict[str, None] = {}
+    lacking: dict[str, None] = {}  # an ordered set
     with progress_bar("", len(left), "trials") as advance:
         for path in left:
             try:
                 trial = read_trial(path)
+                # A run that was killed has no verdict, and so no label to learn from.
                 trial.require_end()
             except (UnreadableRecordingError, TrialDataError) as error:
                 if len(files) == 1:
@@ -138,9 +152,14 @@ def _add_all(cfg: ExportTrialCfg) -> dict[str, Any]:
 
 
 def _files(named: tuple[Path, ...]) -> list[Path]:
-    """Recordings, also those of campaigns; two of one name, which is their trial's, are refused."""
+    """Return the recordings that are named, including those in folders of campaigns.
+
+    A recording's name is its trial's, and the dataset's key. Two files of one name are therefore
+    refused.
+    """
     found: dict[str, Path] = {}
     for path in named:
+        # A campaign keeps recordings in a subfolder; any other folder has them directly.
         files = sorted((path / RECORDINGS).glob("*.rrd")) or sorted(path.glob("*.rrd"))
         if path.is_dir() and not files:
             fail(_PROG, f"folder {str(path)!r} holds no recordings; valid: one of a campaign")

@@ -42,16 +42,16 @@ class FlyCfg:
     """
 
     out: Annotated[Path, OutFolder()]
-    """Folder of a campaign, whose recipe and pilot are taken; or any other one."""
+    """Folder of a campaign, whose recipe and pilot are used, or any other folder."""
     trial: Annotated[int, Range(0, MOST_TRIALS - 1)]
     """Number of the trial among those of the scene and the vehicle."""
     scene: str = "42"
-    """Scene as the campaign names it: by its number."""
+    """Scene as the campaign names it, by its number."""
     vehicle: str = "iris"
     """Airframe by its name, or a file FILE.toml as the campaign names it."""
     pilot: Annotated[str | None, default_hint("the campaign's, else demo")] = None
-    """Who flies, see `aeroscene campaign`. A class or a program that only the folder names is not
-    run: name it again, or say --trust."""
+    """Pilot, see `aeroscene campaign`. A class or a program that only the folder names is not run:
+    name it again, or pass --trust."""
     program: Annotated[str | None, default_hint("none")] = None
     """With a campaign of --pilot mavlink: the command that flies, as the campaign names it."""
     endpoint: Annotated[str | None, default_hint("none")] = None
@@ -63,11 +63,11 @@ class FlyCfg:
     trust: bool = False
     """Run what the folder's campaign.json names without naming it again."""
     recipe: Annotated[str | None, default_hint("the campaign's")] = None
-    """TOML file that says what the task is drawn from, or a family by its name, such as crowd."""
+    """Recipe from which the task is drawn: a TOML file, or a family by its name, such as crowd."""
     family: Annotated[str, default_hint("none")] = ""
     """With a campaign of a suite of families: the family of the trial."""
     record: RecordLevel = "full"
-    """What is recorded, see docs/recording.md; the flight is the same."""
+    """Level of detail of the recording, see docs/recording.md; the flight is the same."""
     camera_hz: CameraHz = 5.0
     """Frames of each camera in a simulated second of the recording."""
     # Without a text of its own here, tyro would look for one in the sources.
@@ -75,12 +75,17 @@ class FlyCfg:
         Equipment, tyro.conf.arg(help="Cameras and sensors; the campaign's by default.")
     ] = field(default_factory=Equipment)
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
-    """Print one JSON object: the row of the trial but for its tracks, and same_as_campaign, null
-    where the campaign has not flown it."""
+    """Print one JSON object: the row of the trial without its tracks, and same_as_campaign, which
+    is null if the campaign has not flown it."""
 
 
 def run(cfg: FlyCfg) -> int:
-    """Fly the trial; exit status 2 with one line where there is none."""
+    """Fly the trial, record it, and compare it with the campaign's own flight.
+
+    Returns:
+        0, 1 if the trial failed, or 2 if the recording could not be written. A trial that does not
+        exist ends the process with status 2 and one line.
+    """
     # Imported here because it is the whole simulator, which `--help` does not need.
     from aeroscene.sources import canonical_name
     from flightsim.vehicles import airframe_by_name
@@ -93,12 +98,13 @@ def run(cfg: FlyCfg) -> int:
 
     airframe_by_name(cfg.vehicle)
     trial = Trial(canonical_name(cfg.scene), cfg.vehicle, cfg.trial, cfg.family)
-    # What a pilot raised is one line in a campaign; here it has its traceback.
+    # A campaign shows one line for an exception of the pilot. Here it is shown with its traceback.
     logging.getLogger("scenarios.campaigns").setLevel(logging.INFO)
     try:
         suite, is_campaigns = _suite(cfg)
         _require_trust(cfg, suite)
         suite.require_pilot()
+        # With another pilot or recipe than the campaign's, the flights need not be the same.
         before = row_of(cfg.out, trial) if is_campaigns else None
         suite.equipment.require(cfg.vehicle)
         folder = cfg.out / RECORDINGS
@@ -119,7 +125,7 @@ def run(cfg: FlyCfg) -> int:
 
 
 def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
-    """What decides the trial, and whether it is what decides the campaign in the folder."""
+    """Return the suite of the trial, and whether it equals that of the campaign in the folder."""
     from scenarios.campaigns.campaign import read_suite
     from scenarios.campaigns.fixed import named_recipe
     from scenarios.campaigns.flyer import Suite
@@ -146,7 +152,10 @@ def _suite(cfg: FlyCfg) -> tuple[Suite, bool]:
 
 
 def _require_trust(cfg: FlyCfg, suite: Suite) -> None:
-    """Refuse code that only the folder names: it may be somebody else's, and would run as you."""
+    """Refuse code that only the folder names.
+
+    The folder may come from somebody else, and the code would run with the user's rights.
+    """
     named = {
         "pilot": cfg.pilot,
         "program": cfg.program,

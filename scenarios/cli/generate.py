@@ -1,4 +1,9 @@
-"""`aeroscene generate`."""
+"""`aeroscene generate`: scenes from the trained model, or districts from the grammar.
+
+The order of the steps in `_run` matters. Everything that can be refused without PyTorch is refused
+first, because loading PyTorch and the model takes seconds. The prompt is joined with the options
+twice: before loading, to check the request, and after it, when the model's own themes are known.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +39,12 @@ _PROG = "aeroscene generate"
 
 
 def run(cfg: GenerateCfg) -> int:
-    """Generate; exit status 2 with one line where input, device or memory do not allow it."""
+    """Make the scenes that the options ask for, and print what was made.
+
+    Returns:
+        0, or 1 if a seed gave no scene. Input, device or memory that do not allow it end the
+        process with status 2 and one line.
+    """
     try:
         return _run(cfg)
     except (SceneError, PilotError) as error:
@@ -46,6 +56,7 @@ def _run(cfg: GenerateCfg) -> int:
     if (districts := district_requests(cfg)) is not None:
         return run_districts(cfg, districts)
     wishes = prompt_wishes(cfg, _own_themes(cfg))
+    # Checks the request before the model is loaded; the result is made again below.
     requests = _requests(prompted(cfg, wishes)[0])
     require_torch()
     if cfg.checkpoint is not None:
@@ -78,7 +89,7 @@ def _run(cfg: GenerateCfg) -> int:
 
 
 def _own_themes(cfg: GenerateCfg) -> frozenset[str]:
-    """Themes of a checkpoint of the user's own, by whose names a prompt may call them."""
+    """Return the themes of the user's own checkpoint, so that a prompt may name them."""
     if not cfg.prompt or cfg.checkpoint is None:
         return frozenset()
     require_torch()
@@ -104,6 +115,7 @@ def _draw(
     judge = AnyScene(MOST_ATTEMPTS) if cfg.difficulty == "any" else OfDifficulty(cfg.difficulty)
     with progress_bar("generating", len(requests)) as advance:
         if cfg.progress is not None:
+            # Only the first scene has pictures, and it is drawn alone, outside of any batch.
             draw_with_pictures(generator, requests[0], judge, tally, cfg.progress)
             advance()
             requests = requests[1:]
@@ -118,7 +130,9 @@ def _run_worst(
     wishes: Wishes,
     understood: Mapping[str, Any],
 ) -> int:
-    """Make the scenes and fly them, as far as that is not done, and keep the worst."""
+    """Make the scenes and fly them, unless the folder has them already, and keep the worst."""
+    # Options that leave a seed's scene as it is, so that work of another call can be taken over.
+    # The prompt counts by the wishes in it, which are added below.
     left_open = {"seed", "count", "of", "out", "threads", "progress", "json"}
     left_open |= {"prompt", "prompt_endpoint", "prompt_model"}
     asked = {name: str(v) for name, v in asdict(cfg).items() if name not in left_open}
@@ -148,6 +162,7 @@ def _run_worst(
 def _set_threads(cfg: GenerateCfg) -> None:
     import torch
 
+    # For one scene at a time, a second thread brings little.
     n_threads = 1 if cfg.threads is None and cfg.batch == 1 else cfg.threads
     if n_threads is not None:
         torch.set_num_threads(n_threads)

@@ -1,4 +1,4 @@
-"""`aeroscene generate` where a district is asked for."""
+"""Districts of `aeroscene generate`: requests that the grammar meets, without the scene model."""
 
 from __future__ import annotations
 
@@ -26,7 +26,13 @@ _OURS = {"seed", "count", "objects", "houses", "storeys", "areas", "outline", "o
 
 
 def district_requests(cfg: GenerateCfg) -> list[DistrictRequest] | None:
-    """Requests for districts, None if the scene model is asked; loads nothing heavy.
+    """Return requests for districts, without loading anything heavy.
+
+    Args:
+        cfg: Options of the command.
+
+    Returns:
+        One request for each seed, or None if the options ask for the scene model instead.
 
     Raises:
         SceneError: If a district cannot be made, or an option stands beside it that it cannot
@@ -35,6 +41,7 @@ def district_requests(cfg: GenerateCfg) -> list[DistrictRequest] | None:
     outline_m = outline_sides_m(cfg.outline) if cfg.outline else None
     if not is_district(outline_m, cfg.objects, cfg.houses, cfg.storeys):
         return None
+    # A field without a plain default has nothing to compare with.
     require_alone(
         {
             field.name.replace("_", "-"): (getattr(cfg, field.name), field.default)
@@ -61,7 +68,15 @@ def district_requests(cfg: GenerateCfg) -> list[DistrictRequest] | None:
 
 
 def run_districts(cfg: GenerateCfg, requests: Sequence[DistrictRequest]) -> int:
-    """Compose districts; exit status 1 if a seed gave none."""
+    """Compose districts, write them, and print what was made.
+
+    Args:
+        cfg: Options of the command.
+        requests: One request for each seed.
+
+    Returns:
+        0, or 1 if a seed gave no district.
+    """
     from scenarios.generation.draws import Tally
 
     cfg.out.mkdir(parents=True, exist_ok=True)

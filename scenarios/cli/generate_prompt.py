@@ -25,11 +25,11 @@ _BESIDE = (
     "complete",
     "redo",
 )
-"""Options that a prompt may set, or that leave less for it to set."""
+"""Options that a prompt may set, or that limit what it may set."""
 
 
 class _Options(Protocol):
-    """Options with a prompt among them."""
+    """Dataclass of options that has a prompt among them."""
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
 
@@ -45,7 +45,16 @@ _Cfg = TypeVar("_Cfg", bound=_Options)
 
 
 def prompt_wishes(cfg: _Options, own_themes: frozenset[str]) -> Wishes:
-    """Read the prompt before anything is loaded; without one there are no wishes.
+    """Read the prompt, by a parser or by the endpoint that the options name.
+
+    This works before the model is loaded, so that a bad prompt is refused at once.
+
+    Args:
+        cfg: Options of the command.
+        own_themes: Themes of the user's own checkpoint, which the prompt may name.
+
+    Returns:
+        The wishes; an empty collection without a prompt.
 
     Raises:
         SceneError: If it contradicts itself, is not understood, or the endpoint is of no use.
@@ -85,12 +94,17 @@ def prompted(
 
     Args:
         cfg: Options as they were given.
-        wishes: What the prompt asks for.
+        wishes: Wishes that were read from the prompt.
         themes: Themes that the checkpoint knows; None while it is not loaded.
+
+    Returns:
+        Options with the wishes filled in, except those that the user set; and the report, None
+        without a prompt.
     """
     if not cfg.prompt:
         return cfg, None
     defaults = {each.name: each.default for each in fields(cfg)}
+    # An option that equals its default counts as not given, so the prompt may set it.
     given = {name: getattr(cfg, name) for name in _BESIDE if getattr(cfg, name) != defaults[name]}
     found = understood(cfg.prompt, wishes, given, themes)
     return replace(cfg, **found.options), found

@@ -1,4 +1,4 @@
-"""What `aeroscene generate` prints when it is done."""
+"""The report that `aeroscene generate` prints at its end."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 _PROG = "aeroscene generate"
 _MOST_ROWS = 20
-"""Scenes of which the terminal shows what was got."""
+"""Scenes whose figures the terminal shows beside the wishes."""
 _MOST_COLUMNS = 5
 """Wishes that have a column each; with more of them each has a row."""
 _MOST_SCENES = 2
-"""Scenes beside each other where each wish has a row."""
+"""Scenes beside each other in a table with a row for each wish."""
 _UNITS = {"outline": "m", "min_passage": "m"}
-_MISSED = "*"
+_MISSED = "*"  # The colour alone would be lost in a pipe.
 _AGAIN = "--strict draws those again"
 
 
@@ -39,7 +39,7 @@ def print_generated(
         device: Where the model computed.
         tally: Results of the draws.
         more: Further facts, such as the flights of the worst scenes.
-        as_json: Whether to print one JSON object.
+        as_json: True prints one JSON object instead of text.
     """
     for seed, reason in tally.failed.items():
         sys.stderr.write(f"{_PROG}: seed {seed} gave no scene: {reason}\n")
@@ -57,6 +57,7 @@ def print_generated(
 
 
 def _facts(device: str, tally: Tally) -> dict[str, Any]:
+    # Collision rates before and after the projection; docs/model.md describes both.
     stages = {
         "sampled": {"collision_rate": _mean(tally.sampled), "rejected": 0},
         "feasible": {"collision_rate": _mean(tally.feasible), "rejected": tally.n_rejected},
@@ -78,11 +79,11 @@ def _facts(device: str, tally: Tally) -> dict[str, Any]:
 
 
 def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]], again: str = _AGAIN) -> None:
-    """Print what each scene has below what was asked for.
+    """Print a table of the figures of each scene below the wishes.
 
     Args:
-        all_wishes: What was got beside what was asked for, by file and wish.
-        again: What can be done about scenes that are not as asked for.
+        all_wishes: Wish and measured figure, by file and name of the wish.
+        again: Remark about scenes that are not as asked for.
     """
     files = sorted(all_wishes)
     is_wide = len(all_wishes[files[0]]) > _MOST_COLUMNS
@@ -99,7 +100,7 @@ def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]], again: str = _AGA
 
 
 def _by_scene(all_wishes: Mapping[str, Mapping[str, Got]], files: Sequence[str]) -> Table:
-    """A table with a row for each scene."""
+    """Return a table with a row for each scene."""
     first = all_wishes[files[0]]
     table = Table("", *map(_titled, first))
     table.add_row("asked for", *(str(wish.asked) for wish in first.values()))
@@ -110,7 +111,7 @@ def _by_scene(all_wishes: Mapping[str, Mapping[str, Got]], files: Sequence[str])
 
 
 def _by_wish(all_wishes: Mapping[str, Mapping[str, Got]], files: Sequence[str]) -> Table:
-    """A table with a row for each wish, where a terminal has no room for a column for each."""
+    """Return a table with a row for each wish, for more wishes than a terminal has columns."""
     table = Table("", "asked for", *(Path(file).stem for file in files), "met in")
     for name, wish in all_wishes[files[0]].items():
         n_met = sum(wishes[name].is_met for wishes in all_wishes.values())
@@ -129,7 +130,7 @@ def _cell(wish: Got) -> Text:
 
 
 def _missed(all_wishes: Mapping[str, Mapping[str, Got]]) -> list[str]:
-    """Files of the scenes that miss a wish."""
+    """Return the files of the scenes that miss a wish."""
     return sorted(
         file
         for file, wishes in all_wishes.items()

@@ -1,4 +1,8 @@
-"""Help texts of options, taken from the docstrings of their fields."""
+"""Help texts of options, taken from the docstrings of their fields.
+
+A docstring below a field is read by people in the source and by users in `--help`, so each option
+is explained once. tyro can read these docstrings too, but keeps their line breaks; see `flow_help`.
+"""
 
 from __future__ import annotations
 
@@ -16,18 +20,20 @@ from aeroscene.ranges import ranges_of
 def flow_help(options: Any) -> None:
     """Give all fields of options a help text whose lines break where the terminal ends.
 
-    tyro decides on line breaks before it removes the indentation of a field's docstring, and so
-    keeps every line break of the source. A help text in the field's metadata comes first. The text
-    of a number ends with its range.
+    tyro decides on line breaks before it removes the indentation of a field's docstring, and so it
+    keeps every line break of the source. It prefers a help text in the field's metadata, which this
+    function sets. The text of a number ends with its range.
 
     Args:
         options: A dataclass, or a union of them; fields that are dataclasses are included.
     """
     if not (isinstance(options, type) and dataclasses.is_dataclass(options)):
+        # A union of commands, or `Annotated` around a type; a plain type has no parts.
         for part in get_args(options):
             flow_help(part)
         return
     docstrings: dict[str, str] = {}
+    # Bases first, so that a subclass's docstring of an inherited field wins.
     for base in reversed(options.__mro__):
         if dataclasses.is_dataclass(base):
             docstrings |= _field_docstrings(base)
@@ -42,7 +48,8 @@ def flow_help(options: Any) -> None:
 
 
 def _field_docstrings(options: type) -> dict[str, str]:
-    """Docstrings below the fields of a class, by the names of the fields."""
+    """Return the docstrings below the fields of a class, by the names of the fields."""
+    # Python keeps no docstrings of fields at run time, so they are read from the source.
     (tree,) = ast.parse(textwrap.dedent(inspect.getsource(options))).body
     assert isinstance(tree, ast.ClassDef)
     docstrings: dict[str, str] = {}

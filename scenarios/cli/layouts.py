@@ -26,12 +26,12 @@ from scenarios.cli.progress import progress_bar
 from scenarios.cli.terminal import Terminal, styled, terminal
 
 _SHOWN = 20
-"""Number of entries of a list that are shown."""
+"""Entries of a list that the terminal shows."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LayoutsCfg:
-    """Say how a file of layouts maps to our categories, and convert it to scenes.
+    """Report how a file of layouts maps to our categories, and convert it to scenes.
 
     Reads JSON lines of neutral layouts, the AeroScene authors' JSON and 3D-FRONT's own, plain or
     gzip; and places on maps as FILE.osm#W,S,E,N. Exit status 0 if everything is valid, 1 if
@@ -41,15 +41,18 @@ class LayoutsCfg:
     file: tyro.conf.Positional[Path]
     """The file of layouts."""
     out: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None
-    """Write each layout as a scene of ours, SCENE_ID.json, into this folder."""
+    """Folder to write each layout into as a scene, SCENE_ID.json."""
     skip_invalid: bool = False
-    """Leave out objects and scenes that break a rule, name and count them, and go on."""
+    """Leave out objects and scenes that break a rule, name and count them, and continue."""
     json: bool = False
     """Print one JSON object: scenes, objects, mapped, unmapped, dropped, invalid, written."""
 
 
 def run(cfg: LayoutsCfg) -> int:
     """Report the mapping, and convert the layouts if asked to.
+
+    Returns:
+        0, or 1 if something was skipped as invalid.
 
     Raises:
         SceneError: If the file breaks a rule and nothing is to be skipped.
@@ -77,9 +80,10 @@ def run(cfg: LayoutsCfg) -> int:
 
 
 def _run_map(cfg: LayoutsCfg) -> int:
-    """Report what became of a place on a map, and write its scene if asked to."""
+    """Report what a place on a map was turned into, and write its scene if asked to."""
     from aeroscene.maps import open_map
 
+    # Bounds are part of the name, as in `FILE.osm#W,S,E,N`.
     path, _, bounds = str(cfg.file).partition("#")
     scene, report = open_map(path, bounds or None)
     written: list[str] = []
@@ -108,11 +112,12 @@ def _run_map(cfg: LayoutsCfg) -> int:
 
 
 def _with_progress(cfg: LayoutsCfg, faults: list[str]) -> Iterator[NeutralLayout]:
-    """Layouts of the file, with a progress bar while they are converted."""
+    """Yield the layouts of the file, with a progress bar while they are converted."""
     if cfg.out is None:
         yield from read_layouts(cfg.file, cfg.skip_invalid, faults)
         return
-    # Read twice, so that a file with a fault further down is refused before anything is written.
+    # The file is read twice, so that one with a fault further down is refused before anything is
+    # written.
     count = sum(1 for _ in read_layouts(cfg.file, cfg.skip_invalid, faults))
     _make_folder(cfg.out)
     with progress_bar("converting", count, "layouts") as advance:
@@ -136,7 +141,7 @@ def _take(layout: NeutralLayout, cfg: LayoutsCfg, written: dict[str, str]) -> Ma
 
 
 def _new_name(scene_id: str, written: Mapping[str, str]) -> str:
-    """Name of a scene's file; `a/b` and `a b` are two scenes, and become two files."""
+    """Return a free name for a scene's file, because `a/b` and `a b` both become `a-b`."""
     name = clean = file_name(scene_id)
     number = 1
     while f"{name}.json" in written:

@@ -37,8 +37,16 @@ _COMMANDS: Mapping[str, str] = {
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run the command, or without one print the help; returns the exit status."""
+    """Run a command, or print the help without one.
+
+    Args:
+        args: Words of the command line; None takes those of the process.
+
+    Returns:
+        The exit status of the command.
+    """
     args = sys.argv[1:] if args is None else args
+    # The first word decides, so that one command's module is imported and not all of them.
     name = args[0] if args else ""
     if name in _COMMANDS:
         module = _module(name)
@@ -52,7 +60,7 @@ def _module(name: str) -> Any:
 
 
 def _any_command() -> Any:
-    """Union of all commands, for the list in the help and for suggestions."""
+    """Return the union of all commands, for the list in the help and for suggestions."""
     commands = (
         Annotated[Any, tyro.conf.subcommand(name, constructor=getattr(_module(name), options))]
         for name, options in _COMMANDS.items()

@@ -1,4 +1,4 @@
-"""`aeroscene new`: a file to begin with."""
+"""`aeroscene new`: a starter file for a pilot, a vehicle, a scene or a recipe."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _FILES = {
     "scene": "scene.json",
     "recipe": "recipe.toml",
 }
-# Vehicles, scenes and modules must all be able to have the name; a file system bounds its length.
+# A name must do for vehicles, scenes and Python modules. File systems limit its length.
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewCfg:
-    """Write a file to begin with: a pilot, a vehicle, a scene or a recipe of your own.
+    """Write a starter file: a pilot, a vehicle, a scene or a recipe of your own.
 
-    The file runs as it is, explains itself in comments, and its first lines name the command that
-    runs it. Nothing that is there is written over.
+    The file runs as it is and explains itself in comments. Its first lines name the command that
+    runs it. Existing files are never overwritten.
     """
 
     kind: tyro.conf.Positional[Literal["pilot", "vehicle", "scene", "recipe"]]
@@ -42,17 +42,23 @@ class NewCfg:
     """Its name: a letter, then up to 63 letters, digits and _; the file is NAME.py, .toml or
     .json."""
     out: Path = Path()
-    """Folder to write to, which must be there."""
+    """Folder to write to, which must exist."""
 
 
 def run(cfg: NewCfg) -> int:
-    """Write the file; exit status 2 with one line where it cannot be, or is there already."""
+    """Write the file, and print its name and the command that runs it.
+
+    Returns:
+        0. A bad name, or a file that exists already, ends the process with status 2 and one line.
+    """
     _check_name(cfg)
     beginning = _BEGINNINGS / _FILES[cfg.kind]
     path = cfg.out / f"{cfg.name}{beginning.suffix}"
     text = beginning.read_text("utf-8").replace(f"my_{cfg.kind}", cfg.name)
+    # `lexists`, because a broken link is also something that would be written over.
     if os.path.lexists(path):
         fail(_PROG, f"file {str(path)!r} is there already; valid: another name")
+    # Written under another name first, so that nobody sees half a file.
     with replacing(path) as file:
         file.write(text.encode())
     print(f"{path}\nRun it with: {command_of(text)}")
@@ -60,10 +66,13 @@ def run(cfg: NewCfg) -> int:
 
 
 def command_of(text: str) -> str:
-    """The command that the head of such a file names.
+    """Return the command that the head of a starter file names.
 
     Args:
         text: The file's content, which has a line with `Run: COMMAND`.
+
+    Raises:
+        ValueError: If it has no such line.
     """
     found = re.search(r'Run: ([^"\n]+)', text)
     if found is None:

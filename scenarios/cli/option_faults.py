@@ -1,4 +1,4 @@
-"""Options of a command line that no command can work with, found before anything is loaded."""
+"""Faults of options that no command can work with, found before anything heavy is loaded."""
 
 from __future__ import annotations
 
@@ -13,14 +13,18 @@ from scenarios.cli.outputs import OutFile, OutFolder
 
 
 def option_faults(options: Any) -> Iterator[str]:
-    """Yield a line for each number out of its range, and each output that cannot be written."""
+    """Yield a line for each number out of its range, and each output that cannot be written.
+
+    Args:
+        options: A dataclass of options; those within its fields are checked too.
+    """
     yield from out_of_range(options)
     yield from _unwritable(options)
 
 
 @cache
 def outputs_of(options: type) -> dict[str, OutFile | OutFolder]:
-    """Files and folders that a dataclass of options says are written, by its fields."""
+    """Return the fields of a dataclass of options that are marked as outputs, with their marks."""
     hints = get_type_hints(options, include_extras=True)
     return {
         field.name: mark

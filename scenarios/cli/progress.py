@@ -1,4 +1,8 @@
-"""Progress bars on standard error, for work in parts and for work item by item."""
+"""Progress bars on standard error, for work in parts and for work item by item.
+
+The bars show only on a terminal, and are removed at the end. Standard output belongs to results, so
+that it can be piped.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +28,12 @@ class Advance(Protocol):
     """Function that advances a progress bar."""
 
     def __call__(self, count: int = 1, /, title: str | None = None) -> None:
-        """Advance the bar by one item or by several, and give it another title."""
+        """Advance the bar by one item or by several.
+
+        Args:
+            count: Number of items that are done since the last call.
+            title: New title of the bar; None keeps the present one.
+        """
 
 
 class _Rate(ProgressColumn):
@@ -34,6 +43,7 @@ class _Rate(ProgressColumn):
         speed = task.finished_speed or task.speed
         if speed is None:
             return Text("")
+        # Below one item a second, one decimal would be too coarse.
         return Text(f"{speed:.{1 if speed >= 1.0 else 2}f} {task.fields['unit']}/s")
 
 
@@ -61,6 +71,11 @@ def share_bar() -> Iterator[Callable[[str, float], None]]:
 @contextmanager
 def progress_bar(title: str, total: int, unit: str = "scenes") -> Iterator[Advance]:
     """Show a progress bar with rate and remaining time, and remove it at the end.
+
+    Args:
+        title: Text before the bar.
+        total: Number of items.
+        unit: Name of the items in the plural, for the rate.
 
     Yields:
         Function to call when an item is done, or with the number of items done.

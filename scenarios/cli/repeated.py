@@ -1,6 +1,7 @@
-"""Options that take several values, named once for each of them.
+"""Options that take several values, also when the option is repeated for each value.
 
-tyro takes `--camera A B`. Of `--camera A --camera B` it would keep B alone, without a word.
+tyro reads `--camera A B`. From `--camera A --camera B`, which many programs accept, it would keep
+B alone without a warning. `gathered` rewrites the second form as the first.
 """
 
 from __future__ import annotations
@@ -8,13 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 _SINGLE = ("--out",)
-"""Options of one value each time, so that what follows is free for a scene."""
+"""Options that take one value at a time, because the next word may be the scene."""
 _GREEDY = ("--camera", "--format")
-"""Options of all values up to the next option."""
+"""Options that take all values up to the next option."""
 
 
 def gathered(args: Sequence[str]) -> list[str]:
-    """The arguments with all values of a repeated option behind its one, last occurrence."""
+    """Return the arguments with each repeated option once, at the end, with all of its values.
+
+    For example, `--camera A --speed max --camera B` becomes `--speed max --camera A B`.
+
+    Args:
+        args: Words of a command line; they are not changed.
+    """
     rest, named, found = [], set[str](), {name: [] for name in (*_SINGLE, *_GREEDY)}
     waiting = list(args)
     while waiting:
@@ -28,7 +35,8 @@ def gathered(args: Sequence[str]) -> list[str]:
             if values and name in _SINGLE:
                 break
             values.append(waiting.pop(0))
-        # An option of one value that has none must not pass as one that is not there.
+        # `--out` without a value gets an empty one. Otherwise it would vanish, and tyro could not
+        # refuse it.
         found[name] += values or ([""] if name in _SINGLE else [])
         named.add(name)
     for name, values in found.items():

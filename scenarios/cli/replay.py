@@ -1,4 +1,4 @@
-"""`aeroscene replay`: open a recording in rerun's viewer, or say what is in it or in a folder."""
+"""`aeroscene replay`: a recording in rerun's viewer, as pictures, as a film or as a summary."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ _PROG = "aeroscene replay"
 
 @dataclass(frozen=True, kw_only=True)
 class ReplayCfg:
-    """Open a recording in rerun's viewer, draw pictures of it, or say what is in it.
+    """Open a recording in rerun's viewer, draw pictures of it, or print what is in it.
 
-    A recording whose run was killed opens up to the last second that was written. Of a folder, such
-    as that of a campaign, the recordings in it are listed with their verdicts.
+    A recording whose run was killed opens up to the last second that was written. For a folder,
+    such as that of a campaign, the command lists the recordings in it with their verdicts.
     """
 
     recording: tyro.conf.Positional[Path]
-    """The .rrd file, or a folder with some."""
+    """The .rrd file, or a folder with .rrd files."""
     viewer: Literal["auto", "native", "web"] = "auto"
     """native opens a window, web serves a page on loopback; auto takes native if it can."""
     pictures: Annotated[Path | None, OutFolder(), tyro.conf.arg(help_behavior_hint="")] = None
-    """Draw what was planned and flown, and the landing map, into this folder instead of opening the
-    viewer; needs no display."""
+    """Draw the planned and the flown path and the landing map into this folder instead of opening
+    the viewer; needs no display."""
     formats: Annotated[tuple[Literal["png", "svg", "pdf"], ...], tyro.conf.arg(name="format")] = (
         "png",
     )
@@ -57,21 +57,30 @@ class ReplayCfg:
         tyro.conf.arg(help_behavior_hint=""),
     ] = None
     """Render a film of the flight into this file instead of opening the viewer, from behind the
-    vehicle and from its cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display;
-    the cameras need not have run in the flight."""
+    vehicle and from its cameras: .mp4 or .webm to play, .webp or .gif for a page. Needs no display.
+    The cameras need not have run in the flight."""
     summary: bool = False
-    """Print what is in the recording instead of opening it; needs no display."""
+    """Print a summary of the recording instead of opening it; needs no display."""
     json: bool = False
     """Print the summary as one JSON object."""
 
     def __post_init__(self) -> None:
-        """Refuse to draw nothing."""
+        """Refuse an empty list of formats.
+
+        Raises:
+            ValueError: If no format is named; tyro prints it as an error of the command line.
+        """
         if not self.formats:
             raise ValueError("format has no value; valid: png, svg, pdf")
 
 
 def run(cfg: ReplayCfg) -> int:
-    """Replay; exit status 2 with one line where there is nothing to replay or no way to."""
+    """Open, draw, film, summarise or list recordings, as the options ask.
+
+    Returns:
+        0. A file that is no recording, or a viewer that cannot open, ends the process with status 2
+        and one line.
+    """
     # Imported here because rerun takes time that `--help` should not spend.
     from scenarios.recording.program import RerunMissingError
     from scenarios.recording.summary import UnreadableRecordingError, summarise
@@ -112,14 +121,14 @@ def _list(cfg: ReplayCfg) -> None:
 
 
 def _line(listed: Listed) -> str:
-    """A recording in one line."""
+    """Return a recording's size, verdict and task in one line."""
     line = f"{listed.recording}  {listed.size_bytes / 1e6:.1f} MB"
     if listed.code is not None:
         line += (
             f"  {listed.code}: {listed.reason}; scene {listed.scene}, {listed.vehicle}, "
             f"seed {listed.seed}, {listed.sim_seconds:.1f} s"
         )
-    # The names and the reason come from files, and could hold what a terminal obeys.
+    # Names and reasons come from files, and could hold control characters that a terminal obeys.
     return "".join(letter if letter.isprintable() else "?" for letter in line)
 
 
@@ -163,9 +172,9 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
     """Open an .rrd file in a viewer until the user closes it.
 
     Args:
-        kind: Kind of viewer; auto opens a window where there is a display.
+        kind: Kind of viewer; auto opens a window if there is a display, else a page.
         source: File to open.
-        what: Subject and verb of the line that says where it can be seen.
+        what: Subject and verb of the printed line that ends with the page's address.
 
     Raises:
         ViewerError: If the viewer cannot be opened.
@@ -173,7 +182,7 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
     """
     from scenarios.recording.viewer import Viewer, has_display
 
-    # SIGTERM must end the viewer too.
+    # SIGTERM must end the viewer's process too, or it would outlive the command.
     signal.signal(signal.SIGTERM, interrupt)
     if kind == "auto":
         kind = "native" if has_display() else "web"
@@ -183,6 +192,7 @@ def show(kind: Literal["auto", "native", "web"], source: Path, what: str) -> Non
                 print(f"{what} at {viewer.url}\nCtrl-C ends it.", flush=True)
             viewer.wait()
         except KeyboardInterrupt:
+            # Ctrl-C is the usual way to close the viewer, so the status stays 0.
             interrupt_is_answered()
             sys.stderr.write("\n")
 

@@ -1,4 +1,4 @@
-"""`aeroscene report`: what a campaign has found."""
+"""`aeroscene report`: the results of a campaign as tables and as a page."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ _MOST_SCENES = 12
 
 @dataclass(frozen=True, kw_only=True)
 class ReportCfg:
-    """Print what a campaign has found so far, and write DIR/report.html, a page with all of it.
+    """Print the results of a campaign so far, and write the full report as DIR/report.html.
 
     Success by groups and phases, each rate with the interval that covers the true one with 95%
-    (Wilson). The page needs no server: charts, ways over the scenes, failures with their replays.
+    (Wilson). The page needs no server: charts, paths over the scenes, failures with their replays.
     """
 
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of a campaign, also of one that is being flown."""
     leaderboard: Annotated[Path | None, OutFile(), default_hint("none")] = None
-    """JSON file to which the entry of this campaign is added, with a table beside it in Markdown;
-    only a campaign that flew a whole fixed suite has one, see docs/campaigns.md."""
+    """JSON file to which this campaign's entry is added, with a table in Markdown beside it. Only a
+    campaign that flew a whole fixed suite has an entry, see docs/campaigns.md."""
     stack: Annotated[str | None, default_hint("the pilot's")] = None
     """Name of the flight stack in the leaderboard."""
     json: Annotated[bool, tyro.conf.arg(name="json")] = False
@@ -41,7 +41,11 @@ class ReportCfg:
 
 
 def run(cfg: ReportCfg) -> int:
-    """Print the report; exit status 2 with one line where the folder has none."""
+    """Write the page, print the tables, and add to a leaderboard if asked to.
+
+    Returns:
+        0. A folder without a campaign ends the process with status 2 and one line.
+    """
     # pyarrow and the simulator: half a second that `--help` does not need.
     from scenarios.campaigns.campaign import CampaignError
     from scenarios.campaigns.store import StoreError
@@ -65,7 +69,12 @@ def run(cfg: ReportCfg) -> int:
 
 
 def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
-    """Print the summary of a campaign as tables."""
+    """Print the summary of a campaign as tables.
+
+    Args:
+        console: Terminal to print on.
+        summary: Summary as `Campaign.summary` returns it, and as OUT/summary.json holds it.
+    """
     rates = Table(
         "", "trials", "success", "95% interval", "grade", "95% interval", title_justify="left"
     )
@@ -73,6 +82,7 @@ def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
     for phase, rate in summary["phases"].items():
         _add_rate(rates, phase, rate)
     for name, members in summary["groups"].items():
+        # A group of one member repeats the line of all trials.
         if len(members) < 2 or (name == "scene" and len(members) > _MOST_SCENES):
             continue
         rates.add_section()
@@ -90,10 +100,11 @@ def print_summary(console: Terminal, summary: Mapping[str, Any]) -> None:
 
 
 def _words_table(words: Mapping[str, Any]) -> Table:
-    """Scores of goals in words."""
+    """Return the table of scores of goals in words."""
     table = Table("goals in words", "trials", "", "95% interval")
     for name, score in words.items():
         is_rate = "success_rate" in score
+        # Shares are printed as percentages, means such as SPL and errors as numbers.
         value, form = (
             score["success_rate" if is_rate else "mean"],
             "{:.1%}" if is_rate else "{:.2f}",

@@ -1,20 +1,26 @@
-"""Ranges of scene numbers, as a user writes them."""
+"""Ranges of scene numbers as a user writes them, such as `0:10,42`."""
 
 from __future__ import annotations
 
 import re
 
 _MOST = 1_000_000
-"""Numbers that are written one by one or as a range; the corpus itself has no end."""
+"""Upper limit of the numbers in a text, exclusive; the corpus itself has no end."""
 _PART = re.compile("([0-9]{1,7})(?::([0-9]{1,7}))?")
 
 
 class SceneNumbersError(ValueError):
-    """A text that names no scenes."""
+    """A text does not name any scenes; the message says what would be valid."""
 
 
 def scene_numbers(text: str) -> tuple[int, ...]:
-    """Parse ranges into numbers in ascending order: "0:10" is 0 to 9, "42" itself, commas join.
+    """Parse ranges of scene numbers.
+
+    Args:
+        text: Parts joined by commas: "0:10" is 0 to 9, "42" is that number alone.
+
+    Returns:
+        The numbers in ascending order, each once.
 
     Raises:
         SceneNumbersError: If a part is malformed, empty or reaches beyond 999,999.

@@ -1,4 +1,4 @@
-"""`aeroscene-sitl`, also `aeroscene sitl`: start the testbench."""
+"""`aeroscene-sitl`, also `aeroscene sitl`: the testbench, from the command line to its end."""
 
 from __future__ import annotations
 
@@ -61,11 +61,11 @@ class SitlCommand(SitlCfg):
     scene file (.json, .json.gz), one of a file of layouts (FILE.jsonl#ID or #N), or a place on a
     map (FILE.osm#W,S,E,N in degrees, also .osm.gz, .osm.pbf and .geojson)."""
     bounds: Annotated[str, tyro.conf.arg(metavar="W,S,E,N", help_behavior_hint="")] = ""
-    """Part of a map to fly in: west, south, east and north in degrees, up to 400 x 400 m; by
-    default all of a small map. Write --bounds=-0.13,51.51,-0.12,51.52 if the first is negative."""
+    """Part of a map to fly in: west, south, east and north in degrees, up to 400 x 400 m. By
+    default, all of a small map. Write --bounds=-0.13,51.51,-0.12,51.52 if the first is negative."""
 
     def __post_init__(self) -> None:
-        """Refuse invalid options, two scenes, and bounds of what is no map."""
+        """Refuse invalid options, two scenes, and bounds of a scene that is no map."""
         SitlCfg.__post_init__(self)
         if self.bounds:
             _require_map(self.place or self.scene, self.bounds)
@@ -76,7 +76,7 @@ class SitlCommand(SitlCfg):
 
     @property
     def cfg(self) -> SitlCfg:
-        """Configuration of the run."""
+        """Configuration of the run, with the scene that either of the two options names."""
         values: dict[str, Any] = {name.name: getattr(self, name.name) for name in fields(SitlCfg)}
         scene = str(self.place or self.scene or SitlCfg.scene)
         values["scene"] = f"{scene}#{self.bounds}" if self.bounds else scene
@@ -84,7 +84,7 @@ class SitlCommand(SitlCfg):
 
 
 def _require_map(scene: str, bounds: str) -> None:
-    """Refuse bounds of a scene that is no map, and bounds that are none."""
+    """Refuse bounds of a scene that is no map, and malformed bounds."""
     from aeroscene.maps.bounds import parse_bounds
     from aeroscene.sources import is_map
 
@@ -97,26 +97,38 @@ def _require_map(scene: str, bounds: str) -> None:
 
 
 def main(args: list[str] | None = None) -> int:
-    """Run `aeroscene-sitl`; returns the exit status."""
+    """Run `aeroscene-sitl`.
+
+    Args:
+        args: Words of the command line; None takes those of the process.
+
+    Returns:
+        The exit status.
+    """
     return execute(SitlCommand, run, PROG, gathered(sys.argv[1:] if args is None else args))
 
 
 def run(command: SitlCommand) -> int:
-    """Run the testbench until it is done or told to stop.
+    """Run the testbench until it is done or a signal stops it, and print the verdict.
+
+    Returns:
+        0, 1 if a pilot flew and failed, or 2 if the recording could not be written.
 
     Raises:
         INPUT_ERRORS: If the input is bad, or the machine lacks what the run needs.
     """
-    # Standard output belongs to the result.
+    # Standard output belongs to the result, so that `--json` can be piped.
     console = terminal(stderr=True)
     # SIGTERM must close ports, viewers and the recording too.
     signal.signal(signal.SIGTERM, interrupt)
     cfg = command.cfg
     _refuse_output_over_output(cfg)
+    # Before the run, which makes the folders: afterwards nobody could tell.
     made = [path for path in _folders(cfg) if not path.exists()]
     with lasting():
         opened = Sitl(cfg)
     with opened as sitl:
+        # Opening imports and compiles, where a Ctrl-C may have been swallowed.
         raise_if_interrupted()
         with _stop_on_signals() as should_stop, contextlib.ExitStack() as stack:
             announce(console, sitl)
@@ -125,6 +137,7 @@ def run(command: SitlCommand) -> int:
             lines = [StatusLine(console, flight) for flight in sitl.flights]
             for line in lines:
                 stack.enter_context(line)
+            # `_refresh` returns None, so the lambda's value is the name of the signal, if any.
             sitl.run(lambda: _refresh(lines) or should_stop())
         result = sitl.result
         assert result is not None
@@ -137,10 +150,11 @@ def run(command: SitlCommand) -> int:
         if sitl.viewer is not None and not should_stop():
             _keep_open(console, sitl.viewer)
         external = sitl.bench.external
+    # After the verdict and the summary, which a flight stack that died may still allow.
     if external is not None and external.fault:
         raise TestbenchError(f"the run was ended by {external.fault}")
     if sitl.missing:
-        return EXIT_BAD_INPUT  # Not the vehicle failed but the disk.
+        return EXIT_BAD_INPUT  # The disk failed, not the vehicle.
     return EXIT_NEGATIVE if result.success is False else EXIT_DONE
 
 
@@ -150,12 +164,12 @@ def _refresh(lines: Sequence[StatusLine]) -> None:
 
 
 def _refuse_output_over_output(cfg: SitlCfg) -> None:
-    """Refuse a recording whose files would take the place of the one that is standard output."""
+    """Refuse a recording whose files would replace the file that standard output goes to."""
     if cfg.record is None:
         return
     for path in (cfg.record, cfg.record.with_suffix(".json")):
         is_same = False
-        # Neither may be there, and standard output may be none of the system's files.
+        # The path may not exist yet, and standard output may be a pipe or an object of a test.
         with contextlib.suppress(OSError, ValueError):
             is_same = os.path.samestat(path.stat(), os.fstat(sys.stdout.fileno()))
         if is_same:
@@ -166,7 +180,7 @@ def _refuse_output_over_output(cfg: SitlCfg) -> None:
 
 
 def _folders(cfg: SitlCfg) -> list[Path]:
-    """Folders that the run writes to."""
+    """Return the folders that the run writes to."""
     folders = (cfg.record and cfg.record.parent, cfg.pictures, cfg.captures)
     return [folder for folder in folders if folder is not None]
 
@@ -183,7 +197,11 @@ def _keep_open(console: Terminal, viewer: Viewer) -> None:
 
 @contextlib.contextmanager
 def _stop_on_signals() -> Iterator[Callable[[], str]]:
-    """Turn Ctrl-C and termination into a request by name; a second one interrupts at once."""
+    """Yield a function that returns the name of the signal that asked for the end, or "".
+
+    The first Ctrl-C or SIGTERM lets the run end in order: the recording is closed and the verdict
+    printed. A second one interrupts at once.
+    """
     requested: list[str] = []
 
     def request(number: int, _: FrameType | None) -> None:

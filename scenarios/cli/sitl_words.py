@@ -1,4 +1,4 @@
-"""What `aeroscene sitl` says before and after a run."""
+"""The lines that `aeroscene sitl` prints before and after a run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,12 @@ from scenarios.trials.result import TrialResult
 
 
 def announce(console: Terminal, sitl: Sitl) -> None:
-    """Say what runs, and where clients connect."""
+    """Print the scene, the vehicles, and the addresses at which clients connect.
+
+    Args:
+        console: Terminal to print on.
+        sitl: The run, which has opened its ports already.
+    """
     first, *mates = sitl.bench.vehicles
     scene, cfg = sitl.bench.scene, sitl.cfg.bench
     console.print(
@@ -71,7 +76,12 @@ def announce(console: Terminal, sitl: Sitl) -> None:
 
 
 def print_results(console: Terminal, result: RunResult) -> None:
-    """Print the verdict and the figures of each vehicle."""
+    """Print the verdict and the figures of each vehicle.
+
+    Args:
+        console: Terminal to print on.
+        result: Result of the run; a figure that it lacks gets no line.
+    """
     for number, each in enumerate(result.vehicles, 1):
         if len(result.vehicles) > 1:
             console.print(styled((f"Vehicle {number}", "bold"), f", {each.vehicle}"))
@@ -84,6 +94,7 @@ def _print_result(console: Terminal, result: TrialResult) -> None:
         if not result.success:
             word = (f"Failed, {result.code}", "bold red")
         console.print(styled(word, f": {result.reason}"))
+        # The width aligns these figures with the lines below, whose names are written out.
         for name, figure, unit in _figures(result):
             if figure is not None:
                 console.print(f"  {name:<29} {figure}{unit}")
@@ -108,7 +119,8 @@ def _print_result(console: Terminal, result: TrialResult) -> None:
 
 
 def _figures(result: TrialResult) -> Iterator[tuple[str, float | int | str | None, str]]:
-    """Name, value and unit of what the verdict rests on."""
+    """Yield name, value and unit of each figure on which the verdict rests."""
+    # None stands for what the flight did not get to, such as a touchdown.
     yield "the vehicle is", result.fate and result.fate.replace("_", " "), ""
     yield "area, assigned", result.area, ""
     yield "area, landed on", result.landed_area, ""

@@ -15,10 +15,18 @@ PERIOD_S = 0.25
 
 
 class StatusLine:
-    """Prints messages of autopilot and pilot, and on a terminal the state of the flight below."""
+    """Prints messages of autopilot and pilot, and on a terminal the state of the flight below.
+
+    It is a context manager: the line appears at its start and is removed at its end.
+    """
 
     def __init__(self, console: Terminal, flight: Flight) -> None:
-        """Follow a vehicle's flight; the first vehicle has the line."""
+        """Follow a vehicle's flight. Among several vehicles, only the first has the status line.
+
+        Args:
+            console: Terminal of standard error.
+            flight: Flight whose messages are printed.
+        """
         self._console = console
         world = flight.vehicle.plant.world
         self._who = f"vehicle {world.number + 1}: " if world.n_vehicles > 1 else ""
@@ -28,10 +36,13 @@ class StatusLine:
         has_line = console.is_terminal and world.number == 0
         self._status = Status("starting", console=console) if has_line else None
         self._due_s = 0.0
-        self._last: tuple[float, float] | None = None
+        self._last: tuple[float, float] | None = None  # wall and simulated time of the last text
 
     def refresh(self) -> None:
-        """Print new transitions, and update the line every `PERIOD_S`; cheap to call often."""
+        """Print new transitions of the pilot, and update the line every `PERIOD_S`.
+
+        The call is cheap, so that the loop may make it after each of its ticks.
+        """
         pilot = self._flight.pilot
         if pilot is not None and len(pilot.transitions) > self._n_transitions:
             for transition in pilot.transitions[self._n_transitions :]:
@@ -45,6 +56,7 @@ class StatusLine:
 
     def _say(self, text: str) -> None:
         sim_s = self._flight.vehicle.plant.time_us * 1e-6
+        # Unbroken lines, so that a log of them can be searched.
         self._console.print(f"{sim_s:8.2f} s  {self._who}{text}", highlight=False, soft_wrap=True)
 
     def _text(self, now_s: float) -> str:

@@ -1,4 +1,4 @@
-"""`aeroscene train`: a model that generates scenes, trained step by step."""
+"""`aeroscene train`: the training of a model that generates scenes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,12 @@ _PROG = "aeroscene train"
 
 
 def run(cfg: TrainCfg) -> int:
-    """Train; exit status 2 with one line where input, device or memory do not allow it."""
+    """Train until the budget is used up or the user stops it, and save.
+
+    Returns:
+        0 if the training is done, 130 if it was stopped and saved. Input, device or memory that do
+        not allow it end the process with status 2 and one line.
+    """
     from aeroscene.learning import require_torch
     from aeroscene.scene import SceneError
 
@@ -41,6 +46,7 @@ def run(cfg: TrainCfg) -> int:
         from aeroscene.learning.training.state import read_state
         from aeroscene.learning.training.state_head import STATE
 
+        # From here on a signal asks for an orderly stop, also while state and data are read.
         with _asked_to_stop() as stop:
             state = None if head is None else read_state(cfg.out / STATE)
             plan = training_plan(cfg, head)
@@ -75,6 +81,7 @@ def _asked_to_stop() -> Iterator[threading.Event]:
 
     def ask(number: int, _frame: Any) -> None:
         event.set()
+        # The first signal waits for the end of a step, to save. The second does not wait.
         signal.signal(number, signal.default_int_handler)
 
     with handling_signals(ask):
@@ -104,7 +111,7 @@ def _report(cfg: TrainCfg, plan: Plan, training: Training, *, is_done: bool) -> 
 
 
 def _said(part: Part, figures: Mapping[str, Any]) -> str:
-    """How long a part was trained, and to which losses."""
+    """Return how long a part was trained, and to which losses, in words."""
     from aeroscene.learning.training.course import figure_prefix
 
     prefix = figure_prefix(part)

@@ -15,16 +15,24 @@ _SHOWN = ("total", "held_out", "learning_rate")
 
 @dataclass
 class TrainingBar:
-    """Progress bar with a line for each stage."""
+    """Progress bar with a line for each stage of a training."""
 
     progress: Progress
     _tasks: dict[str, TaskID] = field(default_factory=dict)
     _figures: dict[str, float] = field(default_factory=dict)
 
     def show(self, stage: str, share: float, figures: Mapping[str, float]) -> None:
-        """Move a stage's bar to a share, 0 to 1; old figures stay until there are newer ones."""
+        """Move the bar of a stage, and update its figures.
+
+        Args:
+            stage: Name of the stage; a new one gets a line of its own.
+            share: Share of the stage that is done, 0 to 1; more counts as 1.
+            figures: Losses and learning rate. Those that are missing keep their last value, because
+                held-out losses are measured less often.
+        """
         if stage not in self._tasks:
             self._tasks[stage] = self.progress.add_task(stage, total=1.0, losses="")
+            # Losses of one stage cannot be compared with those of another.
             self._figures.clear()
         self._figures |= {name: figures[name] for name in _SHOWN if name in figures}
         losses = "  ".join(
@@ -35,7 +43,7 @@ class TrainingBar:
 
 @contextmanager
 def training_bar() -> Iterator[TrainingBar]:
-    """Show the training bar where standard error is a terminal."""
+    """Show the training bar if standard error is a terminal."""
     columns = (
         plain_column("{task.description}"),
         BarColumn(),

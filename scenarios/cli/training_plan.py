@@ -1,4 +1,9 @@
-"""The training that the options of `aeroscene train` ask for."""
+"""The training that the options of `aeroscene train` ask for.
+
+Options are checked in two passes. `require_usable` refuses everything that it can without PyTorch,
+which takes seconds to load. `training_plan` then opens device, data and weights. When a training is
+resumed, its preset and configuration come from the saved state, and options may not contradict it.
+"""
 
 from __future__ import annotations
 
@@ -26,8 +31,11 @@ _PROG = "aeroscene train"
 def require_usable(cfg: TrainCfg) -> StateHead | None:
     """Refuse options and files that cannot be used, before PyTorch is loaded.
 
+    Args:
+        cfg: Options of the command.
+
     Returns:
-        How far the training in the folder is, None for a new one.
+        Head of the saved training in the folder, None for a new training.
 
     Raises:
         SceneError: If one of them cannot be used.
@@ -68,11 +76,11 @@ def _open_head(folder: Path, *, resumes: bool) -> StateHead | None:
 
 
 def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
-    """What is to be trained, on what, by options that `require_usable` has seen.
+    """Return the plan of a training, for options that `require_usable` has accepted.
 
     Args:
-        cfg: The options.
-        head: What `require_usable` has found in the folder.
+        cfg: Options of the command.
+        head: Result of `require_usable`.
 
     Raises:
         SceneError: If options, data or device cannot be used.
@@ -92,10 +100,12 @@ def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
     preset, sections = _sections(cfg, head)
     parts = _parts(cfg, preset)
     budgets = part_budgets(parts, cfg.steps, minutes)
+    # A resumed training stays on its stream, also without --stream.
     is_streamed = cfg.stream or (head is not None and head.facts.data.stream != "")
     begun = _begun_with(cfg, preset, sections)
     language = begun.language if begun is not None and cfg.keep_language else None
     data = _read_data(cfg.data, preset, is_streamed=is_streamed, language=language)
+    # Sizes that follow from the data, such as that of the vocabulary; a saved training has them.
     if head is None:
         sections = fitted(sections, data.train.known)
     first = _first_weights(begun, data, sections)
@@ -115,7 +125,7 @@ def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
 
 
 def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begun | None:
-    """The model whose weights the parts begin with; none begin at random."""
+    """Return the model whose weights the parts begin with, None for random weights."""
     from aeroscene.learning.generation.loading import SHIPPED
     from aeroscene.learning.training.carried import read_begun
     from aeroscene.learning.training.config import require
@@ -146,7 +156,7 @@ def _first_weights(
 def _taken(
     cfg: TrainCfg, parts: Sequence[Part], data: TrainingData, begun: Mapping[Part, Weights]
 ) -> dict[Part, Weights]:
-    """The parts that are not trained."""
+    """Return the weights of the parts that are not trained."""
     from aeroscene.learning.training.same_data import taken_parts
 
     if cfg.take is not None:
@@ -170,14 +180,14 @@ def _n_workers(cfg: TrainCfg) -> int:
     from aeroscene.learning.training.config import TrainingError
 
     if cfg.workers is None:
-        return max(1, default_jobs() - 1)
+        return max(1, default_jobs() - 1)  # One core is the network's.
     if not (cfg.stream or cfg.resume):
         raise TrainingError(f"workers is {cfg.workers} without --stream; valid: with it, or none")
     return cfg.workers
 
 
 def _sections(cfg: TrainCfg, head: StateHead | None) -> tuple[Preset, dict[str, Any]]:
-    """Preset and sections of the configuration; on resuming, those of the training so far."""
+    """Return preset and sections of the configuration, on resuming those of the saved training."""
     from aeroscene.learning.training.presets import preset_sections, sections_from_plain
     from aeroscene.learning.training.settings import read_settings
 
@@ -204,6 +214,7 @@ def _check_unchanged(cfg: TrainCfg, facts: CheckpointFacts, sections: Mapping[st
         )
     if cfg.config is None:
         return
+    # The file's changes on top of what was trained: any difference would show here.
     asked = read_settings(cfg.config, sections)
     different = [name for name in sections if asked[name] != sections[name]]
     if different:
@@ -231,7 +242,11 @@ def _read_data(
 
 
 def say_what_lacks(path: Path) -> None:
-    """Say on stderr how many scenes a corpus lacks, if it lacks any."""
+    """Report on standard error how many scenes a corpus lacks, if it lacks any.
+
+    Args:
+        path: Data of the training; a file of layouts is never reported.
+    """
     from aeroscene.learning.training.data_named import is_layouts
     from scenarios.cli.dataset.options import mention_shortfall
 

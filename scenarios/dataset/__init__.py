@@ -1,1 +1,1 @@
-"""Parallel work on the whole corpus: building, counting, checking and viewing."""
+"""Parallel work on the whole corpus: building, counting, checking, unpacking and shipping."""

@@ -1,4 +1,9 @@
-"""Builds a dataset in a folder, continuing an interrupted build."""
+"""Building of a dataset in a folder, which continues an interrupted build.
+
+A build of all scenes takes minutes and may be killed. Each finished scene is therefore written to a
+journal at once, and the manifest is written when the build ends, however it ends. Scenes carry the
+digest of the sources that made them, so that a later build knows which ones to make again.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +36,7 @@ class BuildPlan:
 
     folder: Path
     make: Callable[[int], SceneEntry]
-    """Makes a scene by its number, in any process."""
+    """Function that makes a scene by its number, in any process."""
     kept: tuple[SceneEntry, ...]
     """Existing scenes, and scenes that were not requested."""
     to_make: tuple[int, ...]
@@ -44,6 +49,10 @@ class BuildPlan:
 
 def plan_build(folder: Path, indices: Sequence[int]) -> BuildPlan:
     """Plan the build of the corpus in a folder.
+
+    Args:
+        folder: Folder of the dataset, existing or not.
+        indices: Numbers of the requested scenes.
 
     Raises:
         DatasetError: If the folder's manifest cannot be read.
@@ -59,12 +68,13 @@ def plan_folder(
     Args:
         folder: Folder of the dataset, existing or not.
         indices: Numbers of the requested scenes.
-        make: Makes one scene and writes its file.
+        make: Function that makes one scene and writes its file.
         sources: Digest of the sources; scenes with another digest are made again.
 
     Raises:
         DatasetError: If the folder's manifest cannot be read.
     """
+    # An entry whose file is damaged or missing counts as not made.
     present = {e.index: e for e in read_entries(folder) if is_whole(folder, e)}
     is_current = {index: entry.sources == sources for index, entry in present.items()}
     wanted = sorted(set(indices))
@@ -102,6 +112,7 @@ def build(plan: BuildPlan, jobs: int, on_scene: Callable[[SceneEntry], None]) ->
         try:
             with closing(run_all(plan.make, plan.to_make, jobs)) as made:
                 for entry in made:
+                    # Flushed for each scene, because a killed process writes nothing more.
                     journal.write(journal_line(entry))
                     journal.flush()
                     entries.append(entry)
@@ -109,6 +120,7 @@ def build(plan: BuildPlan, jobs: int, on_scene: Callable[[SceneEntry], None]) ->
         finally:
             _remove_unfinished(folder)
             write_manifest(folder, entries)
+            # Only once the manifest has its entries.
             (folder / JOURNAL).unlink()
     return sum((folder / entry.file).stat().st_size for entry in entries)
 
@@ -118,6 +130,7 @@ def _journal(folder: Path) -> Iterator[BinaryIO]:
     """Open the journal for appending, with an exclusive lock."""
     with (folder / JOURNAL).open("ab") as journal:
         try:
+            # The system releases the lock of a killed process, unlike a file that marks it.
             fcntl.flock(journal, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise DatasetError(
@@ -125,7 +138,7 @@ def _journal(folder: Path) -> Iterator[BinaryIO]:
                 "valid: wait for its end, or another folder"
             ) from None
         _remove_unfinished(folder)
-        # The last line of a killed build may be incomplete.
+        # The last line of a killed build may be incomplete; a line break ends it.
         journal.write(b"\n" if journal.tell() else b"")
         yield journal
 

@@ -1,8 +1,9 @@
-"""Drop test: does a vehicle without power come to rest on the landing areas of a dataset?
+"""Drop test: a vehicle without power must come to rest on the landing areas of a dataset.
 
-`validate` asks the geometry, this asks the physics. An Iris, rotors off, falls from 0.3 m above
-an area's centroid, turned by a random yaw. At rest it must stand over the area's polygon, at its
-height, and no steeper than the area's slope and two degrees.
+Landing areas are derived from geometry, and `validate` checks them by geometry. This test checks
+them by physics. An Iris with its rotors off falls from 0.3 m above an area's centroid, turned by a
+random yaw. At rest it must stand over the area's polygon, at its height, and tilted by no more than
+the area's slope and two degrees.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
 VEHICLE = "iris"
 TILT_MARGIN_RAD = math.radians(2.0)
 HEIGHT_TOLERANCE_M = 0.05
-"""Tolerance of the soles above the area's plane: legs give, and surfaces are not quite flat."""
+"""Tolerance of the soles' height above the area's plane, since legs give and surfaces are not quite
+flat."""
 LEAST_SHARE = 0.99
 """Share of the drops that must come to rest on their areas."""
 
@@ -44,7 +46,10 @@ class Drop:
     """Faults of the final position, in words; empty if there are none."""
 
     def to_plain(self) -> dict[str, Any]:
-        """The drop as plain data."""
+        """Return the drop as plain data.
+
+        Keys are scene, area, drone_class and faults, the latter in words.
+        """
         return {
             "scene": self.scene_id,
             "area": self.area_id,
@@ -66,11 +71,11 @@ class DropReport:
 
     @property
     def share(self) -> float:
-        """Share of the drops that did; 1 without drops."""
+        """Share of the drops that came to rest on their areas; 1 without drops."""
         return 1.0 - len(self.failed) / max(len(self.drops), 1)
 
     def to_plain(self) -> dict[str, Any]:
-        """The report as plain data."""
+        """Return the report as plain data, with the failed drops in full."""
         return {
             "count": len(self.drops),
             "share": self.share,
@@ -115,6 +120,7 @@ def drop_all(
 def _draw(entries: Sequence[Entry], count: int, rng: np.random.Generator) -> list[_Task[Entry]]:
     ends = np.cumsum([0, *(entry.n_landing for entry in entries)])
     total = int(ends[-1])
+    # Areas are numbered through all scenes. Sorted, so that each scene is compiled only once.
     chosen = np.sort(rng.choice(total, min(count, total), replace=False))
     yaws_rad = rng.uniform(-math.pi, math.pi, len(chosen))
     drawn: dict[int, list[tuple[int, float]]] = defaultdict(list)
@@ -145,6 +151,7 @@ def _drop_in_scene(reader: SceneSet[Entry], task: _Task[Entry]) -> list[Drop]:
 
 def _faults(fall: Fall, area: InteractionArea) -> list[str]:
     faults = []
+    # Conditions are negated as a whole, so that NaN counts as a fault.
     if not fall.rested:
         faults.append("does not come to rest")
     if not fall.inside_m >= 0:

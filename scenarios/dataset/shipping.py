@@ -1,4 +1,9 @@
-"""Scenes that ship: drawn until sound, kept in a folder and packed into one file."""
+"""Scenes that ship: drawn until they are sound, kept in a folder and packed into one file.
+
+Users fly these scenes before they generate any, so each must be flyable, and each must be the scene
+that `gen:N` gives with the same checkpoint. The archive records its provenance: checkpoint, code,
+libraries, and the attempt that each scene came from.
+"""
 
 from __future__ import annotations
 
@@ -37,17 +42,25 @@ class Maker(Protocol):
 
     @property
     def checkpoint(self) -> str:
-        """SHA-256 of the weights; empty without any."""
+        """SHA-256 of the weights; empty for a maker without weights."""
         ...
 
     def draw(self, number: int, attempt: int) -> Scene | None:
-        """Draw a scene, or None if it is rejected; deterministic in the arguments."""
+        """Draw a scene; the result depends on the arguments alone.
+
+        Args:
+            number: Number of the scene, which is its seed.
+            attempt: Number of the attempt, from 0.
+
+        Returns:
+            The scene, or None if the draw is rejected.
+        """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class ModelMaker:
-    """The trained model, one scene at a time: `gen:N` and scene N come from the same draws."""
+    """The trained model, one scene at a time, so that scene N equals `gen:N`."""
 
     path: Path
     """File of the checkpoint."""
@@ -81,7 +94,7 @@ class ModelMaker:
 
 @cache
 def _generator(checkpoint: Path, device: str) -> Generator:
-    """Generator of one process, with one thread, since as many processes share the cores."""
+    """Return the generator of this process, with one thread, because processes share the cores."""
     import torch
 
     from aeroscene.learning.generation import Generator
@@ -92,13 +105,14 @@ def _generator(checkpoint: Path, device: str) -> Generator:
 
 @dataclass(frozen=True, slots=True)
 class CorpusMaker:
-    """The curated corpus in place of the model: for rehearsal."""
+    """The curated corpus in place of the model, to rehearse shipping without a checkpoint."""
 
     name: str = "curation"
     checkpoint: str = ""
 
     def draw(self, number: int, attempt: int) -> Scene | None:
-        """Scene of the corpus; all attempts give the same."""
+        """Return the scene of the corpus at the first attempt, and None at further ones."""
+        # Curation has one scene for each number, so another attempt could not differ.
         from aeroscene.corpus.curation import curate_scene
 
         return curate_scene(number) if attempt == 0 else None
@@ -106,6 +120,11 @@ class CorpusMaker:
 
 def plan_shipped(folder: Path, numbers: tuple[int, ...], maker: Maker) -> BuildPlan:
     """Plan the build of the scenes that ship.
+
+    Args:
+        folder: Folder to build in.
+        numbers: Numbers of the scenes.
+        maker: Source of the scenes.
 
     Raises:
         DatasetError: If the folder's manifest cannot be read.
@@ -122,7 +141,8 @@ def _sources(maker: Maker) -> str:
 
 @cache
 def code_digest() -> str:
-    """Digest of the sources that determine a model's scene for a seed."""
+    """Return the digest of the sources that determine a model's scene for a seed."""
+    # Reading of layouts and of shipped scenes does not affect what the model draws.
     return sources_digest(
         Path(aeroscene.__file__).parent, ("layouts", "corpus/shipped.py", "sources.py")
     )
@@ -130,6 +150,15 @@ def code_digest() -> str:
 
 def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> SceneEntry:
     """Draw a scene until it is sound and a vehicle can stand at its start, and write its file.
+
+    Args:
+        folder: Folder of the dataset.
+        maker: Source of the scenes.
+        sources: Digest that the entry records.
+        number: Number of the scene.
+
+    Returns:
+        Entry of the scene for the manifest.
 
     Raises:
         DatasetError: If no attempt succeeds.
@@ -152,7 +181,7 @@ def make_sound_scene(folder: Path, maker: Maker, sources: str, number: int) -> S
 def pack_shipped(
     dataset: Dataset, path: Path, maker: Maker, device: str, on_scene: Callable[[], object]
 ) -> int:
-    """Write the archive.
+    """Write the archive of the scenes that ship.
 
     Args:
         dataset: All scenes to ship.
@@ -170,6 +199,7 @@ def pack_shipped(
         OSError: If the archive cannot be written.
     """
     sources = _sources(maker)
+    # Scenes of another checkpoint or another code would not be those of `gen:N`.
     ready = {entry.index for entry in dataset.entries if entry.sources == sources}
     if ready != set(range(CORPUS_SIZE)):
         raise DatasetError(
@@ -184,6 +214,7 @@ def pack_shipped(
         attempts={entry.index: entry.attempt for entry in dataset.entries if entry.attempt},
     )
 
+    # Scenes are read one at a time, since all of them would fill the memory.
     def told():
         for scene in dataset.scenes():
             yield scene

@@ -1,4 +1,9 @@
-"""Statistics of a dataset, and the diversity of its scenes beside other layouts."""
+"""Statistics of a dataset, and the diversity of its scenes beside other layouts.
+
+Diversity is measured by distances of layouts to their nearest other layout. A larger set has nearer
+neighbours by chance alone. To compare sets of different sizes, as many layouts as the smallest set
+has are drawn from each.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +31,8 @@ from aeroscene.processes import run_all
 from aeroscene.scene.catalogue import CATALOGUE
 
 Bar = Callable[[str, int, str], AbstractContextManager[Callable[[], object]]]
-"""Opens a progress bar from title, count and unit; returns the function to call after each item."""
+"""Function that opens a progress bar by title, count and unit. The context gives the function to
+call after each item."""
 
 _DRAWS_SEED = 0
 
@@ -67,7 +73,7 @@ class Statistics:
     """Diversity of the scenes, then of each set beside them."""
 
     def to_plain(self) -> dict[str, Any]:
-        """The statistics as plain data, first the rows of the paper's table."""
+        """Return the statistics as plain data, with the rows of the paper's table first."""
         n_scenes = sum(self.domains.values())
         return {
             **{row.key: row.to_plain() for row in self.rows},
@@ -91,10 +97,10 @@ def statistics(
     """Read and count all scenes.
 
     Args:
-        dataset: At least one scene.
-        beside: Other sets of layouts by name.
+        dataset: Scenes to count, at least one.
+        beside: Other sets of layouts by name, each with at least one layout.
         jobs: Number of processes.
-        bar: Opens a progress bar for each long part.
+        bar: Function that opens a progress bar for each long part.
 
     Raises:
         SceneError: If a scene cannot be read.
@@ -109,6 +115,7 @@ def statistics(
             layouts.append(layout)
             advance()
     counts = Counter(name for layout in layouts for name in layout.categories)
+    # Sets, because a category counts once for each scene that has it.
     names = [set(layout.categories) for layout in layouts]
     indices = [entry.index for entry in dataset.entries]
     return Statistics(
@@ -140,7 +147,8 @@ def _diversity(
 ) -> Diversity:
     nearest_radii, index = nearest(distances)
     first = int(nearest_radii.argmin())
-    is_alone = len(layouts) == 1
+    is_alone = len(layouts) == 1  # without a neighbour to measure
+    # A fixed seed, so that the figures of a set do not change from call to call.
     rng = np.random.default_rng(_DRAWS_SEED)
     return Diversity(
         name=name,

@@ -1,4 +1,4 @@
-"""Writes the scenes of a dataset as JSON files, in parallel."""
+"""Writing of the scenes of a dataset as JSON files, in parallel."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ def unpack_all(
     """
     folder.mkdir(parents=True, exist_ok=True)
     n_bytes = 0
+    # A set without entries can still read scenes, and is quick to send to a process.
     unpack = partial(_unpack, dataset.select(()), folder, suffix)
     with closing(run_all(unpack, dataset.entries, jobs)) as sizes:
         for size in sizes:
@@ -43,6 +44,7 @@ def unpack_all(
 
 
 def _unpack(reader: SceneSet[Entry], folder: Path, suffix: str, entry: Entry) -> int:
+    # Names of scenes come from files, and may hold what a file's name cannot.
     path = folder / f"{file_name(entry.scene_id)}{suffix}"
     write_scene(reader.read(entry), path)
     return path.stat().st_size

@@ -1,4 +1,4 @@
-"""Checks every scene of a dataset against its own rules, in parallel."""
+"""Checks of every scene of a dataset against the rules of scenes, in parallel."""
 
 from __future__ import annotations
 
@@ -34,12 +34,15 @@ class Report:
         return len(self.readable.entries)
 
     def counts(self) -> dict[str, int]:
-        """Number of findings of each kind."""
+        """Return the number of findings of each kind, with 0 for kinds without any."""
         counts = Counter(finding.kind for finding in self.findings)
         return {kind: counts[kind] for kind in KINDS}
 
     def to_plain(self) -> dict[str, Any]:
-        """The report as plain data."""
+        """Return the report as plain data.
+
+        Keys are scenes, findings by kind, details with every finding in full, and invalid.
+        """
         return {
             "scenes": self.n_scenes,
             "findings": self.counts(),
@@ -57,7 +60,7 @@ def validate_all(
         dataset: Scenes to check.
         jobs: Number of processes.
         on_scene: Called after each scene.
-        skip_invalid: Whether to continue after a scene that cannot be read.
+        skip_invalid: True continues after a scene that cannot be read.
 
     Raises:
         SceneError: At the first scene that cannot be read, unless it is to be skipped.
@@ -69,6 +72,7 @@ def validate_all(
     with closing(run_all(check, dataset.entries, jobs)) as results:
         for entry, found in zip(dataset.entries, results, strict=True):
             on_scene()
+            # Results come in the order of the entries, whichever process was faster.
             if not isinstance(found, SceneError):
                 findings += found
                 readable.add(entry.index)
@@ -84,12 +88,18 @@ def validate_all(
 def _check(reader: SceneSet[Entry], entry: Entry) -> tuple[Finding, ...] | SceneError:
     try:
         scene = reader.read(entry)
+    # Returned rather than raised, so that the other scenes are still checked.
     except SceneError as error:
         return error
     return validate(scene)
 
 
 def first_of_each_kind(findings: tuple[Finding, ...], count: int) -> Iterator[Finding]:
-    """The first findings of each kind, as examples."""
+    """Yield the first findings of each kind, as examples.
+
+    Args:
+        findings: All findings.
+        count: Greatest number of each kind.
+    """
     for kind in KINDS:
         yield from [finding for finding in findings if finding.kind == kind][:count]

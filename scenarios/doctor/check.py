@@ -1,4 +1,4 @@
-"""Result of a check of this machine."""
+"""Result of one check of this machine."""
 
 from __future__ import annotations
 
@@ -12,17 +12,25 @@ REINSTALL = "install aeroscene again: pip install --force-reinstall aeroscene"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Check:
-    """One checked item."""
+    """Result of one check."""
 
     name: str
     status: Status
-    """Status: note if it works in part; problem if something essential fails."""
+    """Status: "ok", "note" if it works in part, "problem" if something essential fails."""
     value: str
     remedy: str = ""
-    """Remedy; empty if none is needed."""
+    """Advice for the user; empty if none is needed."""
 
 
 def judged(name: str, value: str, remedy: str, *, is_fine: bool, fault: Status = "note") -> Check:
-    """An item that is fine, or has a fault and a remedy."""
+    """Return the result of a check that is either fine or has a remedy.
+
+    Args:
+        name: Name of the check.
+        value: Finding.
+        remedy: Advice, which is shown only if there is a fault.
+        is_fine: True if there is no fault.
+        fault: Status if there is one.
+    """
     status: Status = "ok" if is_fine else fault
     return Check(name=name, status=status, value=value, remedy="" if is_fine else remedy)

@@ -1,4 +1,8 @@
-"""Diagnosis of this machine from all checks."""
+"""Diagnosis of this machine from all checks.
+
+A check may fail in ways that nobody foresaw, for example by a library that crashes on import. Such
+an exception becomes a result of its own, so that one fault does not hide the others.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +27,14 @@ GROUPS: Mapping[str, Callable[[], Iterable[Check]]] = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Diagnosis:
-    """All checks and their summary."""
+    """Results of all checks, and whether the machine can fly."""
 
     can_fly: bool
+    """True if no check found a problem; notes do not count."""
     checks: tuple[Check, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """The diagnosis as plain data."""
+        """Return the diagnosis as plain data."""
         return asdict(self)
 
 
@@ -37,7 +42,7 @@ def diagnose(
     on_progress: Callable[[str, float], None],
     groups: Mapping[str, Callable[[], Iterable[Check]]] = GROUPS,
 ) -> Diagnosis:
-    """Run all checks; a check that breaks is a problem, and the others continue.
+    """Run all checks. One that raises counts as a problem, and the others still run.
 
     Args:
         on_progress: Called before each group of checks with its title and the share done.

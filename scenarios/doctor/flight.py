@@ -1,4 +1,4 @@
-"""Checks of flight: kernels, a take-off in a scene and a camera image."""
+"""Checks of flight: compiled kernels, a take-off in a scene and a camera image."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ _STEP_US = 500_000
 _WIDTH_PX, _HEIGHT_PX = 320, 240
 _SMOOTH_FRAME_MS = 50.0
 """Frame time beyond which two cameras at 5 Hz slow a flight below real time."""
-_N_FRAMES = 3
+_N_FRAMES = 3  # The first frame also loads what later ones reuse, so the best one counts.
 
 
 def check_kernels() -> Iterator[Check]:
-    """Check whether the flight kernels are compiled; the flight check compiles them if not."""
+    """Report whether the flight kernels were compiled already; the flight check compiles them."""
     from autonomy.jit import cache_directory
 
     directory = cache_directory("flightsim.plant.kernel")
@@ -40,7 +40,11 @@ def check_kernels() -> Iterator[Check]:
 
 
 def check_flight() -> Iterator[Check]:
-    """Take off for real, without network, and use the cameras."""
+    """Take off for real, without network, and render camera images.
+
+    Yields:
+        Results for the world, the take-off, the renderer and the time of a frame.
+    """
     from aeroscene.sources import load_scene
     from flightsim.testbench import Testbench, TestbenchCfg
 
@@ -55,9 +59,10 @@ def check_flight() -> Iterator[Check]:
 
 
 def _take_off(bench: Testbench) -> Check:
-    """Arm and climb at a client's request."""
+    """Take off like a client: wait until ready, ask for a take-off, arm."""
     simulator, plant, autopilot = bench.simulator, bench.plant, bench.autopilot
     start_s = time.perf_counter()
+    # If it never gets ready, arming below fails with the reasons that are shown.
     while not autopilot.prearm.is_ok and plant.time_us < _READY_S * 1e6:
         simulator.run(until_us=plant.time_us + _STEP_US)
     start_m = plant.truth.position_enu_m[2]
@@ -83,6 +88,7 @@ def _check_cameras(bench: Testbench) -> Iterator[Check]:
             start_s = time.perf_counter()
             frame = renderer.render(bench.plant.data, camera, bench.plant.time_us)
             best_ms = min(best_ms, 1e3 * (time.perf_counter() - start_s))
+            # A renderer that does not work may return an image of one colour without any error.
             is_blank = bool(frame.rgb.max() == frame.rgb.min())
     backend = f"{renderer.backend} ({renderer.reason})"
     remedy = "its image is blank: update the graphics driver"

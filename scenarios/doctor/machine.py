@@ -30,7 +30,7 @@ LIBRARIES = (
     "msgspec",
     "tyro",
 )
-"""Distributions that some part needs."""
+"""Distributions without which some part does not work."""
 _LEAST_MEMORY_MB = 1000
 
 
@@ -53,6 +53,7 @@ def check_machine() -> Iterator[Check]:
 
 def check_libraries() -> Iterator[Check]:
     """Check that every library is installed, and report its version."""
+    # Metadata alone: importing all of them would take seconds.
     for name in LIBRARIES:
         try:
             version = importlib.metadata.version(name)
@@ -63,7 +64,10 @@ def check_libraries() -> Iterator[Check]:
 
 
 def check_learning() -> Iterator[Check]:
-    """What torch would compute on; nothing here needs it."""
+    """Report the device that PyTorch would compute on.
+
+    A machine without PyTorch is fine, because only the scene model needs it.
+    """
     try:
         torch = importlib.import_module("torch")
     except ModuleNotFoundError:
@@ -79,7 +83,10 @@ def check_learning() -> Iterator[Check]:
 
 
 def check_storage() -> Iterator[Check]:
-    """Check that the cache is writable, and how much room recordings have."""
+    """Check that the cache is writable, and report the room for recordings.
+
+    Without a cache, kernels compile anew in each process, so that is worth a note.
+    """
     cache = cache_folder("")
     remedy = "make it writable, or set AEROSCENE_CACHE_DIR to a folder"
     if cache is None:
@@ -95,14 +102,15 @@ def check_storage() -> Iterator[Check]:
 
 
 def _size_mb(folder: Path) -> float:
-    """Size of the files in a folder; 0 if it cannot be read."""
+    """Return the size of the files in a folder, 0 if it cannot be read."""
+    # The folder may not exist yet, or belong to another user.
     if not os.access(folder, os.R_OK | os.X_OK):
         return 0.0
     return sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
 
 
 def _linux_says(file: str, name: str) -> str | None:
-    """First value of a name in a file of /proc; None where there is none."""
+    """Return the first value of a name in a file of /proc, None if there is none."""
     information = Path("/proc") / file
     lines = information.read_text().splitlines() if information.exists() else []
     return next((line.partition(":")[2].strip() for line in lines if line.startswith(name)), None)
@@ -113,9 +121,10 @@ def _processor() -> str:
 
 
 def _memory_mb() -> float | None:
-    """Memory available to a new program; None if the system does not report it."""
+    """Return the memory available to a new program, None if the system does not report it."""
     if (available := _linux_says("meminfo", "MemAvailable")) is not None:
-        return int(available.split()[0]) * 1.024e-3
+        return int(available.split()[0]) * 1.024e-3  # /proc counts in KiB
+    # macOS reports the whole memory only, which at least shows a machine that is too small.
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") * 1e-6
     except (ValueError, OSError):

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from scenarios.doctor.check import Check, judged
 
 _LOOPBACK = "127.0.0.1"
+# Ports of instance 0, on which the testbench listens.
 _VEHICLE_PORTS: Mapping[str, tuple[int, int]] = {
     "UDP 18570": (socket.SOCK_DGRAM, 18570),
     "UDP 14580": (socket.SOCK_DGRAM, 14580),
@@ -18,7 +19,10 @@ _CLIENT_PORTS: Mapping[str, int] = {"UDP 14550": 14550, "UDP 14540": 14540}
 
 
 def check_ports() -> Iterator[Check]:
-    """Check that the vehicle's MAVLink ports are free, and whether clients listen already."""
+    """Check that the vehicle's MAVLink ports are free, and report clients that listen already.
+
+    A port of the vehicle that is in use is a fault. A port of a client that is in use is a client.
+    """
     for name, (kind, port) in _VEHICLE_PORTS.items():
         has_room = is_free(kind, port)
         remedy = "end what uses it, or fly with --instance 1"
@@ -30,7 +34,7 @@ def check_ports() -> Iterator[Check]:
 
 
 def check_viewer() -> Iterator[Check]:
-    """Check which of rerun's viewers can open."""
+    """Report which of rerun's viewers can open."""
     from scenarios.recording.program import RerunMissingError, rerun_program
     from scenarios.recording.viewer import has_display
 
@@ -44,12 +48,19 @@ def check_viewer() -> Iterator[Check]:
 
 
 def is_free(kind: int, port: int) -> bool:
-    """Whether nobody has a loopback port, by kind of socket."""
+    """Return true if no program has a port on loopback.
+
+    Args:
+        kind: `socket.SOCK_STREAM` for TCP or `socket.SOCK_DGRAM` for UDP.
+        port: Number of the port.
+    """
+    # Binding is the test. TCP needs SO_REUSEADDR, or a connection that lingers would count.
     with socket.socket(socket.AF_INET, kind) as probe:
         if kind == socket.SOCK_STREAM:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             probe.bind((_LOOPBACK, port))
         except OSError as error:
+            # Other errors, such as a missing permission, do not mean that a program has the port.
             return error.errno != errno.EADDRINUSE
     return True

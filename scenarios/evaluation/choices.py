@@ -1,4 +1,8 @@
-"""Choices of our model that `--table choices` switches one by one, in training and in sampling."""
+"""Choices of our model that `--table choices` changes one by one, in training and in sampling.
+
+Each row changes a single choice and keeps the others, so that a difference between two rows has one
+cause. A second seed is among the rows, because it shows how large a difference is mere chance.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +37,7 @@ TRAINED: Mapping[str, tuple[str, Mapping[str, Fields]]] = MappingProxyType(
         ),
     }
 )
-"""Title and fields of a training's configuration, as in a file for `aeroscene train --config`."""
+"""Title and changed fields of a training, as in a file for `aeroscene train --config`."""
 
 SAMPLED: Mapping[str, tuple[str, Fields]] = MappingProxyType(
     {
@@ -49,4 +53,4 @@ SAMPLED: Mapping[str, tuple[str, Fields]] = MappingProxyType(
         "log_snr": ("steps of equal log signal-to-noise", {"spacing": "log_snr"}),
     }
 )
-"""Title and fields of `SamplerCfg`, each against how `aeroscene generate` samples."""
+"""Title and fields of `SamplerCfg` that differ from those of `aeroscene generate`."""

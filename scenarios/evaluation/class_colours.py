@@ -1,15 +1,16 @@
 """Pictures as DiffuScene's authors take them, so that figures can stand beside theirs.
 
-| what | how |
+| part | setting |
 |---|---|
 | view | from straight above, parallel rays, 256 x 256 pixels |
-| scale | 6.2 m from border to border, whatever lies beyond is cut off |
-| middle | that of the room's floor |
+| scale | 6.2 m from border to border, everything beyond is cut off |
+| middle | middle of the room's floor |
 | objects | furniture alone, on white: neither floor nor walls |
 | colours | one a class, evenly about the circle of hues; no texture |
 
-They draw meshes from 3D-FUTURE, which we must not copy; here an object is the box about it. Source:
-Tang et al. 2024, "DiffuScene", section 5.1, and the settings of its public scripts.
+They draw meshes from 3D-FUTURE, whose licence does not let us copy them; here an object is the box
+about it. Source: Tang et al. 2024, "DiffuScene", section 5.1, and the settings of its public
+scripts.
 """
 
 from __future__ import annotations
@@ -29,24 +30,28 @@ from aeroscene.scene.catalogue import ROOMS
 from scenarios.evaluation.renders import PIXELS
 
 HALF_M = 3.1
-"""Half of what is in the picture."""
+"""Half of the side of the picture."""
 _FINER = 4
-"""Pictures are drawn so many times larger: borders are as smooth as a renderer's."""
+"""Factor by which pictures are drawn larger and then reduced, so that edges are smooth."""
 _LIGHTNESS, _SATURATION = 0.6, 0.65
-"""Of seaborn's palette `hls`."""
+"""Lightness and saturation of seaborn's palette `hls`, which the authors use."""
 _WHITE = (255, 255, 255)
 
 
 @dataclass(frozen=True)
 class ClassPictures:
-    """What takes the pictures: which class has which colour."""
+    """Camera of these pictures, which knows the colour of each class."""
 
     classes: tuple[str, ...]
     """Categories of furniture in the training scenes, in the order of their names."""
 
     @classmethod
     def of(cls, train: Sequence[Scene]) -> ClassPictures:
-        """Colours for the categories of training scenes."""
+        """Return the camera with a colour for each category of the training scenes.
+
+        Args:
+            train: Training scenes; the colours depend on them alone, and not on what is judged.
+        """
         found = {obj.category for scene in train for obj in _furniture(scene)}
         return cls(tuple(sorted(found)))
 
@@ -56,13 +61,19 @@ class ClassPictures:
         return ("top",)
 
     def pictures(self, scene: Scene) -> tuple[Picture]:
-        """The scene from above; categories that no training scene has are grey."""
+        """Return the scene from above, 256 x 256 pixels.
+
+        Args:
+            scene: Scene of one room; categories that no training scene has are grey.
+        """
         side_px = PIXELS * _FINER
         image = Image.new("RGB", (side_px, side_px), _WHITE)
         draw = ImageDraw.Draw(image)
         middle_m = _floor_middle_m(scene)
+        # The painter's algorithm: objects with a higher top cover the others.
         for obj in sorted(_furniture(scene), key=_top_m):
             place = (_outline_m(obj) - middle_m) / (2 * HALF_M)
+            # Pixels count downwards, north points up.
             corners_px = np.column_stack([0.5 + place[:, 0], 0.5 - place[:, 1]]) * side_px
             draw.polygon([(x, y) for x, y in corners_px.tolist()], fill=self._colour(obj.category))
         return (np.asarray(image.resize((PIXELS, PIXELS), Image.Resampling.BOX)),)
@@ -70,6 +81,7 @@ class ClassPictures:
     def _colour(self, category: str) -> tuple[int, int, int]:
         if category not in self.classes:
             return (128, 128, 128)
+        # The offset of 0.01 is seaborn's.
         hue = 0.01 + self.classes.index(category) / len(self.classes)
         rgb = colorsys.hls_to_rgb(hue % 1.0, _LIGHTNESS, _SATURATION)
         red, green, blue = (round(255 * share) for share in rgb)
@@ -85,13 +97,13 @@ def _top_m(obj: SceneObject) -> float:
 
 
 def _outline_m(obj: SceneObject) -> np.ndarray:
-    """Corners of the box seen from above, in order, east and north."""
+    """Return the corners of the box seen from above, in order, east and north."""
     return shapely.get_coordinates(MultiPoint(obj.bbox.corners()[:, :2]).convex_hull)
 
 
 def _floor_middle_m(scene: Scene) -> np.ndarray:
     rooms = [obj for obj in scene.objects if obj.category in ROOMS]
     if not rooms:
-        return np.zeros(2)
+        return np.zeros(2)  # the origin of the layout
     corners = np.concatenate([obj.bbox.corners()[:, :2] for obj in rooms])
     return (corners.min(axis=0) + corners.max(axis=0)) / 2

@@ -1,8 +1,10 @@
-"""Scenes of a method: drawn, projected and photographed one by one, and kept.
+"""Scenes of a method, which are drawn, projected and photographed one by one, and kept.
 
 OUT/methods/NAME/training/          as `aeroscene train` leaves it
-OUT/methods/NAME/scenes/0007.*      .sampled.json.gz, .projected.json.gz, .npz with features,
-.json with facts, written last: what has it is not done again
+OUT/methods/NAME/scenes/0007.*      .sampled.json.gz, .projected.json.gz, .npz with features, .json
+
+The .json with facts is written last. A draw that has it is complete and is not made again, so a
+stopped table continues where it was.
 """
 
 from __future__ import annotations
@@ -35,21 +37,21 @@ _STATUS = Path("/proc/self/status")
 
 
 class DrawFacts(msgspec.Struct, frozen=True, kw_only=True):
-    """What is known of one draw beside its scenes."""
+    """Facts of one draw, which are kept beside its scenes."""
 
     seed: int
     failure: str | None = None
-    """Why no scene could be drawn."""
+    """Reason why no scene could be drawn."""
     rejection: str | None = None
-    """Why the projection rejected it, or it does not compile with a vehicle."""
+    """Reason why the projection rejected it, or why it does not compile with a vehicle."""
     n_areas: int = 0
     """Landing areas that can be reached."""
     sample_cpu_s: float = 0.0
     peak_mb: float = 0.0
-    """Greatest memory of the process while the scene was sampled, where the system tells it of a
-    while; else since its start."""
+    """Greatest memory of the process during the sampling; since the start of the process if the
+    system cannot measure a part of it."""
     lands: bool | None = None
-    """Whether the demo landed; None where it was not flown."""
+    """True if the demo landed; None if it was not flown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,12 +62,20 @@ class Draw:
     stem: Path
 
     def scene(self, stage: str) -> Scene | None:
-        """The scene of a stage; None where there is none."""
+        """Return the scene of a stage, None if there is none.
+
+        Args:
+            stage: One of `STAGES`.
+        """
         path = self.stem.with_suffix(f".{stage}.json.gz")
         return read_scene(path) if path.exists() else None
 
     def features(self, stage: str) -> Float[np.ndarray, "views f"] | None:
-        """Features of the scene's pictures; None where there is no scene."""
+        """Return the features of the scene's pictures, None if there is no scene.
+
+        Args:
+            stage: One of `STAGES`.
+        """
         with np.load(self.stem.with_suffix(".npz"), allow_pickle=False) as file:
             return file.get(stage, None)
 
@@ -80,24 +90,24 @@ class Drawer:
         camera: Photographer,
         domains: Sequence[SceneDomain],
     ) -> None:
-        """Set up.
+        """Open the folder of a method's scenes.
 
         Args:
-            folder: Folder of the scenes; it is made where there is none.
-            network: What pictures are looked at by.
-            camera: What takes them.
-            domains: Domains of the scenes, in turn.
+            folder: Folder of the scenes; it is made if it is missing.
+            network: Network that turns pictures into features.
+            camera: Camera that takes the pictures.
+            domains: Domains of the scenes, in turn: draw number i has that of test scene i.
         """
         self._folder, self._network, self._camera = folder, network, camera
         self._domains = domains
         folder.mkdir(parents=True, exist_ok=True)
 
     def missing(self, count: int) -> list[int]:
-        """Numbers of the first so many draws that are not there."""
+        """Return the numbers of the draws that are missing, of the first `count`."""
         return [i for i in range(count) if not self._stem(i).with_suffix(".json").exists()]
 
     def drawn(self, count: int) -> Iterator[Draw]:
-        """The first so many draws, as far as they are there."""
+        """Yield the draws that exist, of the first `count`."""
         for number in range(count):
             stem = self._stem(number)
             path = stem.with_suffix(".json")
@@ -112,21 +122,23 @@ class Drawer:
         *,
         is_real: bool = False,
     ) -> None:
-        """Make one draw.
+        """Make one draw and keep it; a failure of the method is kept as a fact.
 
         Args:
             number: Number of the draw.
-            seed: Seed that it is drawn by.
-            sample: The method; from seed and domain to a scene as sampled.
-            is_real: Whether the scene is real, and stays as it is.
+            seed: Seed of the draw.
+            sample: The method: from seed and domain to a scene as sampled.
+            is_real: True for a real scene, which is not projected.
 
         Raises:
             OSError: If a file cannot be written.
         """
+        # Only sampling is timed: projection and pictures are the same for all methods.
         _forget_peak()
         start_s = time.process_time()
         try:
             sampled = sample(seed, self._domains[number % len(self._domains)])
+        # Geometry that cannot be built is a result of the method, not a fault of the table.
         except (SceneError, ShapelyError, ValueError) as error:
             self._keep(number, DrawFacts(seed=seed, failure=" ".join(str(error).split())), {})
             return
@@ -135,6 +147,7 @@ class Drawer:
         rejection = rejection or _fault(projected)
         scenes = {SAMPLED: sampled} if is_real else {SAMPLED: sampled, PROJECTED: projected}
         if rejection is not None:
+            # Only the sampled scene is judged; the reason stays among the facts.
             scenes.pop(PROJECTED, None)
         facts = DrawFacts(
             seed=seed,
@@ -146,7 +159,11 @@ class Drawer:
         self._keep(number, facts, scenes)
 
     def amend(self, draw: Draw, facts: DrawFacts) -> None:
-        """Write other facts of a draw.
+        """Replace the facts of a draw, for example when it was flown later.
+
+        Args:
+            draw: Draw that was kept.
+            facts: Its new facts.
 
         Raises:
             OSError: If the file cannot be written.
@@ -161,6 +178,7 @@ class Drawer:
             write_scene(scene, stem.with_suffix(f".{stage}.json.gz"))
             pictures: Sequence[Picture] = self._camera.pictures(scene)
             features[stage] = self._network.features(pictures)
+        # Facts come last, because they mark the draw as complete.
         with replacing(stem.with_suffix(".npz")) as file:
             np.savez_compressed(file, **features)
         with replacing(stem.with_suffix(".json")) as file:
@@ -176,7 +194,7 @@ def _projected(sampled: Scene) -> tuple[Scene, str | None]:
 
 
 def _fault(scene: Scene) -> str | None:
-    """Why a vehicle cannot stand at the start of a scene, or nothing can be landed on."""
+    """Return why a vehicle cannot stand at the start, or has nothing to land on; None if it can."""
     if not scene.landing_areas:
         return "no landing area"
     try:
@@ -187,7 +205,8 @@ def _fault(scene: Scene) -> str | None:
 
 
 def _forget_peak() -> None:
-    """Have the system measure the peak of the memory from now on, where it can."""
+    """Let the system measure the peak of the memory from now on, if it can."""
+    # Linux: writing 5 resets the peak (VmHWM) of the process, see proc(5).
     try:
         _CLEAR_REFS.write_text("5")
     except OSError:
@@ -201,6 +220,7 @@ def _peak_mb() -> float:
                 return int(line.split()[1]) / 1024
     except OSError:
         pass
+    # Without /proc only the peak since the start of the process is known.
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     # Kilobytes on Linux, bytes on macOS.
     return peak / 2**20 if sys.platform == "darwin" else peak / 1024

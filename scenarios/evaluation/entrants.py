@@ -1,4 +1,9 @@
-"""The rows of a table: real scenes, methods, methods with something taken away, damaged scenes."""
+"""The rows of each table: real scenes, methods, methods without a part, damaged scenes.
+
+A row is an `Entrant`: a name, a title, and a function that trains or loads what draws its scenes.
+All kinds of rows have this one form, so the rest of the evaluation need not know them. Real scenes
+are a row too, since a figure means little without the value that real scenes reach.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +30,10 @@ TableName = Literal["synthesis", "ablation", "choices", "damage"]
 
 @dataclass(frozen=True, kw_only=True)
 class Means:
-    """What an entrant may use."""
+    """Data, budget and settings that an entrant may use."""
 
     lessons: Callable[[str], Lessons]
-    """Lessons of a method by its name, which have a folder of their own."""
+    """Function from a method's name to its data, budget and folder."""
     cfg: BaselineCfg
     data: Data
     watcher: Watcher
@@ -36,25 +41,26 @@ class Means:
 
 @dataclass(frozen=True, kw_only=True)
 class Entrant:
-    """A row of a table, under a name."""
+    """A row of a table."""
 
     name: str
     title: str
     begin: Callable[[Means], Fitted]
+    """Function that trains or loads the method; called only if draws are missing."""
     is_real: bool = False
-    """Whether its scenes are the test split's, so that there are no more than that."""
+    """True if its scenes are those of the test split, which limits their number."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Real:
-    """Scenes of the test split, by number, changed or as they are."""
+    """Scenes of the test split by number, as they are or damaged on purpose."""
 
     scenes: Sequence[Scene]
     change: Callable[[Scene, np.random.Generator], Scene] | None = None
     spent: Spent | None = None
 
     def sample(self, seed: int, domain: SceneDomain) -> Scene:
-        del domain
+        del domain  # A real scene has its own.
         scene = self.scenes[seed]
         return scene if self.change is None else self.change(scene, np.random.default_rng(seed))
 
@@ -96,7 +102,8 @@ _SHIPPED = (
         begin=lambda means: shipped_preset("default"),  # noqa: ARG005
     ),
 )
-"""Trained for longer than a table has, on other scenes of the same grammar."""
+"""Models that ship; they were trained for longer than a table allows, on other scenes of the same
+grammar."""
 
 _PRESETS: Mapping[str, Preset] = {
     "paper": "paper",
@@ -114,8 +121,9 @@ _DECODING = {
     "without_semantic": ("without mending and turning", DecodingCfg(mends=False)),
     "without_all": ("without both", DecodingCfg(makes_room=False, mends=False)),
 }
-"""Ours has no guidance: what its terms are for is done as programs are decoded. Nothing there can
-be switched off for coarse to fine: fine objects have no place but in the frames of coarse ones."""
+"""Steps of our decoder that can be switched off. Ours has no guidance: decoding does what its terms
+are for. Nothing corresponds to "coarse to fine", because the places of fine objects exist only in
+the frames of coarse ones."""
 
 
 _ENCODING = {
@@ -123,7 +131,7 @@ _ENCODING = {
     "without_relations": EncodingCfg(has_relations=False),
     "without_either": EncodingCfg(has_partitions=False, has_relations=False),
 }
-"""What programs say of scenes: each is learnt anew."""
+"""Parts of a scene that programs leave out; each needs a training of its own."""
 
 
 def _less_encoded(name: str, encoding: EncodingCfg) -> Entrant:
@@ -187,13 +195,19 @@ def _changed(
     preset = _PRESETS[method]
     if is_shipped:
         return without(None, preset, changes, decoding, None)
+    # The changes concern sampling alone, so the training of the whole method serves them all.
     lessons = means.lessons(method)
     whole = fit(method, lessons, means.watcher, means.cfg)
     return without(lessons.folder, preset, changes, decoding, whole.spent)
 
 
 def entrants_of(table: TableName, data: Data, names: Sequence[str]) -> list[Entrant]:
-    """The rows of a table in its order, all of them or those that are named.
+    """Return the rows of a table in its order.
+
+    Args:
+        table: Name of the table.
+        data: Data of the table; shipped models take part for the corpus only.
+        names: Rows to return; empty returns all.
 
     Raises:
         EvaluationError: If there is no row of a name.
@@ -207,6 +221,7 @@ def entrants_of(table: TableName, data: Data, names: Sequence[str]) -> list[Entr
             raise EvaluationError(
                 f"methods {name!r} is no row of table {table}; valid: {', '.join(known)}"
             )
+    # In the table's order, whatever the order of the names.
     return [entrant for entrant in found if entrant.name in names]
 
 
@@ -214,8 +229,9 @@ def _others(table: TableName, data: Data) -> list[Entrant]:
     if table == "damage":
         return [_real(name, name.replace("_", " "), change) for name, change in DAMAGES.items()]
     if table == "synthesis":
+        # The models that ship know the corpus's grammar and no other data.
         return [*map(_trained, METHODS), *(_SHIPPED if data.is_corpus else ())]
-    # Of the corpus what ships is taken apart, which nobody has to train first.
+    # For the corpus, the shipped models are taken apart, so that nobody has to train one first.
     is_shipped = data.is_corpus
     whole = {entrant.name: entrant for entrant in (*map(_trained, METHODS), *_SHIPPED)}
     sampled = whole[_row_name("ours", is_shipped)]

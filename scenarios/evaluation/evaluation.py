@@ -1,4 +1,9 @@
-"""A table under way: methods are trained, their scenes drawn, and all of it judged."""
+"""A table under way: methods are trained, their scenes are drawn, and everything is judged.
+
+An evaluation works on one folder and does only what is missing there: trainings resume, existing
+draws stay, and figures are read if nothing that they depend on has changed. It can therefore be
+stopped at any moment, and continued with more scenes or further methods.
+"""
 
 from __future__ import annotations
 
@@ -35,19 +40,19 @@ Protocol = Literal["ours", "diffuscene"]
 
 
 class StoppedError(Exception):
-    """The user wants to go on later."""
+    """The user has stopped the work and may continue it later."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluationCfg:
-    """What decides the scenes of a table: a folder holds those of one of these."""
+    """Settings on which the scenes of a table depend; one folder has scenes of one such setting."""
 
     data: str
     data_digest: str
     network: str
     seed: int
     cpu_minutes: float | None
-    """Budget of each method's training."""
+    """Budget of each method's training; None for no limit of time."""
     steps: int | None
     baseline: BaselineCfg
     protocol: Protocol
@@ -55,7 +60,7 @@ class EvaluationCfg:
 
 
 class Evaluation:
-    """The work on one folder."""
+    """Work on the folder of one table."""
 
     def __init__(
         self,
@@ -67,8 +72,15 @@ class Evaluation:
     ) -> None:
         """Open a folder, or make it.
 
+        Args:
+            cfg: Settings, which must equal those that the folder was begun with.
+            data: Scenes of both splits.
+            network: Network that turns pictures into features.
+            folder: Folder of the table.
+            wants_stop: Function that returns true once the user wants to stop.
+
         Raises:
-            EvaluationError: If it holds another table.
+            EvaluationError: If the folder holds a table of other settings.
             OSError: If it cannot be written.
         """
         self.cfg = cfg
@@ -89,16 +101,19 @@ class Evaluation:
     def run(
         self, entrants: Sequence[Entrant], count: int, n_flown: int, on_progress: OnProgress
     ) -> list[Row]:
-        """Train, draw and judge what is not done yet.
+        """Train, draw and judge everything that is not done yet.
 
         Args:
             entrants: Rows of the table, in its order.
-            count: Scenes of each; of real ones at most as many as the test split has.
-            n_flown: Of each, so many are flown by the demo.
-            on_progress: Called with what is done, and the share of all.
+            count: Scenes of each row; real ones are at most as many as the test split has.
+            n_flown: Scenes of each row that the demo flies.
+            on_progress: Called with the present step and the share of the whole work.
+
+        Returns:
+            Figures of all rows.
 
         Raises:
-            StoppedError: If the user wants to go on later.
+            StoppedError: If the user has stopped the work.
             SceneError: If a method cannot be trained or its scenes cannot be judged.
             OSError: If a file cannot be written.
         """
@@ -106,7 +121,7 @@ class Evaluation:
             raise EvaluationError(f"scenes is {count}; valid: {LEAST_PICTURES} or more")
         rows: list[Row] = []
         for number, entrant in enumerate(entrants):
-
+            # Defaults bind the present entrant, since a closure would see the last one.
             def tell(what: str, share: float, done: int = number, who: Entrant = entrant) -> None:
                 on_progress(f"{who.title}: {what}", (done + share) / len(entrants))
 
@@ -114,11 +129,23 @@ class Evaluation:
         return rows
 
     def draws(self, entrant: Entrant, count: int) -> list[Draw]:
-        """The draws of an entrant, as far as they are there."""
+        """Return the draws of an entrant that exist.
+
+        Args:
+            entrant: Row of the table.
+            count: Greatest number of draws.
+        """
         return list(self._drawer(entrant).drawn(self._count(entrant, count)))
 
     def curves(self, entrant: Entrant) -> dict[str, list[tuple[float, float]]]:
-        """How an entrant's training went, if it has one, by the title of each of its stages."""
+        """Return the learning curves of an entrant, by the title of each stage of its training.
+
+        Args:
+            entrant: Row of the table.
+
+        Returns:
+            CPU seconds and held-out loss at each evaluation; empty without a training.
+        """
         stages = held_out_losses(self._place(entrant) / _TRAINING)
         is_whole = len(stages) == 1
         return {
@@ -133,7 +160,9 @@ class Evaluation:
         drawer = self._drawer(entrant)
         missing = drawer.missing(count)
         spent = self._spent(entrant)
+        # Without missing draws no training is opened, which would load a network.
         if missing:
+            # Training counts as half of a row's work, drawing as most of the rest.
             fitted = entrant.begin(self._means(lambda share: tell("training", share / 2)))
             if fitted.spent is not None and not fitted.spent.is_done:
                 raise StoppedError
@@ -142,6 +171,7 @@ class Evaluation:
             self._draw(drawer, entrant, fitted, missing, tell)
         draws = list(drawer.drawn(count))
         self._fly(drawer, draws[:n_flown], tell)
+        # Read again, because flights have amended the facts.
         draws = list(drawer.drawn(count))
         tell("judging", 0.95)
         rows = self._judged(entrant, draws)
@@ -163,6 +193,7 @@ class Evaluation:
             if self._wants_stop():
                 raise StoppedError
             tell(f"scene {done + 1} of {len(missing)}", 0.5 + 0.4 * done / len(missing))
+            # Real scenes are taken by number, whatever the seed.
             seed = number if entrant.is_real else self.cfg.seed + number
             drawer.draw(number, seed, fitted.sample, is_real=entrant.is_real)
 
@@ -176,8 +207,10 @@ class Evaluation:
             if draw.facts.lands is not None:
                 continue
             tell(f"flight {number + 1} of {len(draws)}", 0.9 + 0.05 * number / len(draws))
+            # A real scene has no projected stage.
             scene = draw.scene(PROJECTED) or draw.scene(SAMPLED)
             is_sound = draw.facts.failure is None and draw.facts.rejection is None
+            # A draw without a sound scene counts as not landed, without being flown.
             lands = bool(is_sound and scene and fly(scene, pilot_of("demo", "pilot")).success)
             drawer.amend(draw, msgspec.structs.replace(draw.facts, lands=lands))
 
@@ -186,7 +219,7 @@ class Evaluation:
         for stage in STAGES:
             n_there = sum(draw.features(stage) is not None for draw in draws)
             if n_there < LEAST_PICTURES and stage != SAMPLED:
-                # Of few draws that were not rejected nothing can be said.
+                # Too few draws were not rejected, so their figures would mean nothing.
                 continue
             if n_there < LEAST_PICTURES:
                 raise EvaluationError(
@@ -197,6 +230,7 @@ class Evaluation:
             rows += self._judge.rows(stage_name(entrant.name, stage), stage, draws, kept)
         return rows
 
+    # Made on first use, because photographing the training scenes takes long.
     @cached_property
     def _judge(self) -> Judge:
         return Judge(
@@ -210,17 +244,17 @@ class Evaluation:
 
     @property
     def judge(self) -> Judge:
-        """What scenes are held against."""
+        """Judge of the table, which compares scenes with the training scenes."""
         return self._judge
 
     @property
     def _key(self) -> str:
-        """What figures depend on beside the scenes that are judged."""
+        """Data, network and protocol: all that figures depend on beside the judged scenes."""
         network = f"{self._network.name} {self._network.digest}"
         return f"{self._data.digest} {network} {self.cfg.protocol}"
 
     def _reference_pictures(self) -> np.ndarray:
-        """Features of the pictures of the training scenes, kept as far as they are made."""
+        """Return the features of the training scenes' pictures, and keep those that are made."""
         path = self._folder / "reference.npz"
         key = self._key
         found = _read_reference(path, key)
@@ -255,6 +289,7 @@ class Evaluation:
         )
 
     def _drawer(self, entrant: Entrant) -> Drawer:
+        # The draws have the same share of each domain as the test split.
         domains: list[SceneDomain] = [scene.domain for scene in self._data.test]
         folder = self._place(entrant) / "scenes"
         return Drawer(folder, self._network, self.camera, domains)
@@ -277,7 +312,7 @@ class Evaluation:
 
 @dataclass(frozen=True)
 class _Watcher:
-    """Tells how far a training is, and ends it when the user wants to."""
+    """Reports the progress of a training, and ends it if the user wants to stop."""
 
     on_share: Callable[[float], None]
     is_over: Callable[[], bool]
@@ -294,6 +329,7 @@ def _read_reference(path: Path, key: str) -> list[np.ndarray]:
     if not path.exists():
         return []
     with np.load(path, allow_pickle=False) as file:
+        # Features of another network or other scenes are made anew.
         is_ours = str(file["key"]) == hashlib.sha256(key.encode()).hexdigest()
         return list(file["features"]) if is_ours else []
 

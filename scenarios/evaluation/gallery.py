@@ -1,4 +1,4 @@
-"""Sampled scenes of all methods side by side, as the paper's figures have them."""
+"""Sampled scenes of all methods side by side, like the paper's figures."""
 
 from __future__ import annotations
 
@@ -25,13 +25,15 @@ def draw_gallery(
     stages: Mapping[str, str],
     camera: Photographer,
 ) -> None:
-    """A row a method, the same draws in the columns, each in all views.
+    """Draw a row for each method, with the same draws in the columns, each in all views.
+
+    The first draws are shown, because a choice of good ones would be no comparison.
 
     Args:
         path: Picture to write.
         draws: Draws by the title of their method.
         stages: Stage that is shown, by the same titles.
-        camera: What takes the pictures.
+        camera: Camera that takes the pictures.
 
     Raises:
         OSError: If it cannot be written.
@@ -49,7 +51,7 @@ def draw_gallery(
         for number, draw in enumerate(found[:N_SHOWN]):
             scene = draw.scene(stages[title])
             if scene is None:
-                continue
+                continue  # A draw that was rejected leaves its place empty.
             for view, picture in enumerate(camera.pictures(scene)):
                 left_px = _SIDE_PX + (number * n_views + view) * step_px
                 sheet[top_px : top_px + PIXELS, left_px : left_px + PIXELS] = picture
@@ -60,7 +62,7 @@ def draw_gallery(
 
 
 def _lines(title: str) -> list[str]:
-    """A title in lines that fit beside the pictures."""
+    """Return a title in lines that fit beside the pictures."""
     lines = [""]
     for word in title.split():
         if len(lines[-1]) + len(word) > 28:
@@ -70,5 +72,5 @@ def _lines(title: str) -> list[str]:
 
 
 def shown_stage(name: str) -> str:
-    """The stage that a name of the table stands for."""
+    """Return the stage that a name of the table stands for; see `rows.stage_name`."""
     return STAGES[1] if name.endswith("+projection") else STAGES[0]

@@ -1,4 +1,8 @@
-"""Who is first in each column: one method beside the best of the others."""
+"""Leads of one method over the best of the others, column by column.
+
+A table of dozens of columns is hard to read. A lead states for each column which other method is
+best, by how many percent ours is ahead or behind, and whether the intervals are apart.
+"""
 
 from __future__ import annotations
 
@@ -13,30 +17,33 @@ _DIGITS = 3
 
 
 class Lead(msgspec.Struct, frozen=True, kw_only=True):
-    """A method in one column."""
+    """A method in one column, beside the best of the others."""
 
     metric: str
     value: float
     other: str
-    """The best of the other methods."""
+    """Name of the best of the other methods."""
     other_value: float
     lead_percent: float | None
-    """By how much of the other's value it is better, negative where it is worse; None where the
-    other has 0."""
+    """Difference as a percentage of the other's value, positive if this method is better; None if
+    the other has 0."""
     is_apart: bool
-    """Whether it is better, and the two 95% intervals do not overlap."""
+    """True if it is better, and the two 95% intervals do not overlap."""
 
 
 def leads_of(
     method: str, others: Collection[str], rows: Sequence[Row], metrics: Mapping[str, Metric]
 ) -> list[Lead]:
-    """A method beside the best of others in every column that has a better and a worse end.
+    """Compare a method with the best of others in every column that has a better direction.
 
     Args:
-        method: The method.
-        others: The methods that it is held against.
+        method: Name of the method.
+        others: Names of the methods to compare with.
         rows: Figures of all of them.
-        metrics: What they are, in the order of the table.
+        metrics: Metrics of the columns, in the order of the table.
+
+    Returns:
+        One lead for each column in which the method and at least one other have a figure.
     """
     cells = {(row.method, row.metric): row for row in rows if row.value is not None}
     found: list[Lead] = []
@@ -45,6 +52,7 @@ def leads_of(
         rivals = [row for name in others if (row := cells.get((name, key))) is not None]
         if own is None or metric.better is None or not rivals:
             continue
+        # With the sign, more is better in every column.
         sign = 1.0 if metric.better == "higher" else -1.0
         best = max(rivals, key=lambda row: sign * _value(row))
         ahead = sign * (_value(own) - _value(best))
@@ -73,7 +81,12 @@ def _are_apart(own: Row, other: Row) -> bool:
 
 
 def leads_markdown(leads: Sequence[Lead], titles: Mapping[str, str]) -> str:
-    """A line a column."""
+    """Return a Markdown table of leads, with a line for each column.
+
+    Args:
+        leads: Leads of one method.
+        titles: Titles of the methods, by name.
+    """
     lines = [["metric", "value", "best of the others", "its value", "ahead by, %", "intervals"]]
     lines.append(["---"] * len(lines[0]))
     for lead in leads:

@@ -1,4 +1,8 @@
-"""Rows of a table: every figure of a method with its interval, kept once it is measured."""
+"""Rows of a table: every figure of a method with its interval, kept once it is measured.
+
+Some figures take long, so they are kept in a file with a key. The key covers the data, the
+network, the protocol and the draws. A figure is read again only while all of these are the same.
+"""
 
 from __future__ import annotations
 
@@ -41,11 +45,12 @@ COSTS: Mapping[str, Metric] = {
     "training_cpu_s": Metric(title="training", unit="CPU s", better=None),
     "training_tflop": Metric(title="training", unit="TFLOP", better=None),
 }
-"""What a method costs, and whether its scenes can be flown in."""
+"""Metrics of a method's costs, and of whether its scenes can be flown in."""
 
 
 _VERSION = 3
-"""Raise it when figures are computed otherwise: kept ones are then measured anew."""
+"""Version of the figures. Raise it when they are computed otherwise, so that kept ones are measured
+anew."""
 
 
 class Row(msgspec.Struct, frozen=True, kw_only=True):
@@ -54,15 +59,15 @@ class Row(msgspec.Struct, frozen=True, kw_only=True):
     method: str
     metric: str
     value: float | None
-    """None where there is nothing to judge."""
+    """The figure; None if there is nothing to judge."""
     interval_95: tuple[float, float] | None
     n: int
-    """Scenes that it is of."""
+    """Number of scenes that it was measured on."""
 
 
 @dataclass(frozen=True, eq=False)
 class Judge:
-    """What scenes are held against."""
+    """Judge of scenes: the training scenes as the reference, and the settings of the figures."""
 
     yardstick: Yardstick
     pictures: np.ndarray
@@ -75,7 +80,7 @@ class Judge:
     """Digest of all that figures depend on beside the scenes."""
 
     def metrics(self) -> dict[str, Metric]:
-        """All metrics in the order of the table."""
+        """Return all metrics by key, in the order of the table."""
         near, kernel = self.network.frechet_name, self.network.kernel_name
         found = {near: Metric(title="Fréchet distance of pictures, all views", unit="-")}
         found[kernel] = Metric(title="kernel distance of pictures, all views", unit="-")
@@ -87,11 +92,17 @@ class Judge:
 
     @property
     def _own_views(self) -> tuple[str, ...]:
-        """Views with figures of their own: the mean of one alone is that one."""
+        """Views with figures of their own; none for a single view, which equals the mean."""
         return self.views if len(self.views) > 1 else ()
 
     def rows(self, method: str, stage: str, draws: Sequence[Draw], kept: Path) -> list[Row]:
-        """Figures of the scenes of a stage; read where they were measured before.
+        """Return the figures of the scenes of a stage, read from a file if they were measured.
+
+        Args:
+            method: Name of the row.
+            stage: One of `drawing.STAGES`.
+            draws: Draws of the method.
+            kept: File that keeps the figures.
 
         Raises:
             TooFewScenesError: If there are too few scenes.
@@ -104,6 +115,7 @@ class Judge:
             return known
         scenes = [scene for draw in there if (scene := draw.scene(stage)) is not None]
         found = [features for draw in there if (features := draw.features(stage)) is not None]
+        # One seed for all methods, so that they get the same folds and resamples.
         rng = np.random.default_rng(self.seed)
         pictures = np.stack(found) if found else np.zeros((0, *self.pictures.shape[1:]))
         figures = self._picture_figures(pictures, rng)
@@ -114,6 +126,7 @@ class Judge:
         return rows
 
     def _key(self, draws: Sequence[Draw]) -> str:
+        # Draws are written once and never changed, so names and seeds identify them.
         digest = hashlib.sha256(f"{_VERSION} {self.key}".encode())
         for draw in draws:
             digest.update(f"{draw.stem.name} {draw.facts.seed}".encode())
@@ -139,16 +152,27 @@ def told_apart(
     reference: Float[np.ndarray, "m views f"],
     rng: np.random.Generator,
 ) -> Figure:
-    """How well a classifier tells pictures from the reference's by their features, percent."""
+    """Return how well a classifier tells pictures from the reference's, as an accuracy in percent.
+
+    The accuracy is 50 if they cannot be told apart, and 100 if they always can.
+
+    Args:
+        pictures: Features of the pictures to judge.
+        reference: Features of real scenes' pictures.
+        rng: Source of the folds and of the bootstrap.
+    """
     both = np.concatenate([pictures, reference]).reshape(len(pictures) + len(reference), -1)
     both = both - both.mean(axis=0)
-    # Of norm two, which the classifier's penalty is for.
+    # The classifier's penalty is meant for features of norm two or so; see `metrics.classifier`.
     both *= 2.0 / max(float(np.linalg.norm(both, axis=1).mean()), 1e-9)
     return accuracy_figure(both[: len(pictures)], both[len(pictures) :], rng)
 
 
 def _mean(figures: Sequence[Figure]) -> Figure:
-    """Mean of figures of the same scenes: their errors go together."""
+    """Return the mean of figures of the same scenes, with the mean of their interval ends.
+
+    The interval does not shrink, because errors of two views of one scene go together.
+    """
     value, low, high = (
         float(np.mean([getattr(figure, name) for figure in figures]))
         for name in ("value", "low", "high")
@@ -165,9 +189,15 @@ def cost_rows(
     *,
     is_real: bool,
 ) -> list[Row]:
-    """What a method's draws and its training took, and how many can be flown in.
+    """Return the costs of a method's draws and training, and how many draws can be flown in.
 
-    `best_at` is the share of the training that was over when its held-out loss was least.
+    Args:
+        method: Name of the row.
+        draws: Draws of the method.
+        spent: Steps, time and size of its training; None if it was not trained here.
+        best_at: Share of the training at which its held-out loss was least.
+        seed: Seed of the bootstrap.
+        is_real: True for real scenes, which cost nothing to draw.
     """
     rng = np.random.default_rng(seed)
     facts = [draw.facts for draw in draws]
@@ -180,6 +210,7 @@ def cost_rows(
     if flown:
         values["lands"] = [100.0 * bool(fact.lands) for fact in flown]
     if not is_real:
+        # A draw that failed has no scene whose time and memory could count.
         drawn = [fact for fact in facts if fact.failure is None]
         values["failed"] = [100.0 * (fact.failure is not None) for fact in facts]
         values["sample_cpu_s"] = [fact.sample_cpu_s for fact in drawn]
@@ -202,6 +233,7 @@ def cost_rows(
 
 
 def _row(method: str, metric: str, figure: Figure) -> Row:
+    # NaN means that there was nothing to judge; JSON has no NaN.
     if math.isnan(figure.value):
         return Row(method=method, metric=metric, value=None, interval_95=None, n=0)
     interval = (float(figure.low), float(figure.high))
@@ -214,7 +246,7 @@ def _read(path: Path, key: str) -> list[Row] | None:
     try:
         kept = msgspec.json.decode(path.read_bytes(), type=_Kept)
     except (FileNotFoundError, msgspec.DecodeError):
-        return None
+        return None  # Figures of an older form are measured anew, too.
     return kept.rows if kept.key == key else None
 
 
@@ -224,5 +256,10 @@ class _Kept(msgspec.Struct):
 
 
 def stage_name(method: str, stage: str) -> str:
-    """What a method is called in the table once its scenes are projected."""
+    """Return the name of a row of the table for a method and a stage of its scenes.
+
+    Args:
+        method: Name of the method.
+        stage: One of `drawing.STAGES`; projected scenes have a row of their own.
+    """
     return method if stage == SAMPLED else f"{method}+projection"

@@ -1,4 +1,8 @@
-"""The data of a table: training scenes that methods are given, test scenes that none has seen."""
+"""The data of a table: training scenes for all methods, and test scenes that none has seen.
+
+Layouts of other projects come as the user's own file, because their licences do not let us ship
+them. They are mapped to our categories first, so that all methods learn from the same scenes.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +22,11 @@ from aeroscene.scene.io import scene_to_json
 
 DataName = Literal["corpus", "front3d", "procthor", "city"]
 _TEST_EVERY = 5
-"""Every so many layouts of a file, which has no splits, one is a test scene."""
+"""Every fifth layout of a file is a test scene, because such files have no splits."""
 
 
 class EvaluationError(SceneError):
-    """A table that cannot be made; one line with the option, the value and what is valid."""
+    """A table cannot be made; the message names the option, its value and what is valid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,12 +41,16 @@ class Data:
 
     @property
     def is_corpus(self) -> bool:
-        """Whether the scenes are our grammar's."""
+        """True if the scenes are those of our grammar."""
         return self.name == "corpus"
 
 
 def count_scenes(name: DataName, path: Path | None) -> int:
-    """Number of scenes that `open_data` reads.
+    """Return the number of scenes that `open_data` reads, for a progress bar.
+
+    Args:
+        name: Name of the data.
+        path: Folder or file of the data; None for the default of the corpus.
 
     Raises:
         SceneError: If there is no such data.
@@ -60,11 +68,14 @@ def open_data(
     """Read the data of a table.
 
     Args:
-        name: Which data it is; the table is called after it.
+        name: Name of the data, which the table states.
         path: Folder that `aeroscene dataset build` has made, for the corpus, or the user's own file
             of neutral layouts.
         on_scene: Called after each scene.
-        room: Only layouts whose `attributes.room_type` is this.
+        room: Value of `attributes.room_type` that layouts must have; None takes all.
+
+    Returns:
+        Scenes of both splits, with a digest of all.
 
     Raises:
         SceneError: If there is no such data, or too little of it.
@@ -82,9 +93,11 @@ def open_data(
         scenes = mapped_scenes(where, on_scene)
         if room is not None:
             if room not in rooms:
+                # Quoted, since the names come from a file and may have spaces.
                 known = ", ".join(sorted({repr(each) for each in rooms if each})) or "no --room"
                 raise EvaluationError(f"room {room!r} is none of {str(where)!r}; valid: {known}")
             scenes = [scene for scene, own in zip(scenes, rooms, strict=True) if own == room]
+        # By place and not by chance, so that every table of a file has the same splits.
         test = scenes[_TEST_EVERY - 1 :: _TEST_EVERY]
         train = [scene for i, scene in enumerate(scenes) if (i + 1) % _TEST_EVERY]
     for split, found in (("train", train), ("test", test)):
@@ -93,6 +106,7 @@ def open_data(
                 f"data {name} in {str(where)!r} has {len(found)} scenes of the {split} split; "
                 f"valid: {LEAST_PICTURES} or more"
             )
+    # Scenes after mapping: a change of the categories is a change of the data.
     digest = hashlib.sha256()
     for scene in (*train, *test):
         digest.update(scene_to_json(scene))
@@ -100,9 +114,9 @@ def open_data(
 
 
 def _known_rooms(path: Path) -> list[str | None]:
-    """The type of room of each layout of a file.
+    """Return the type of room of each layout of a file.
 
-    Layouts with things that are in none of our categories are refused: scenes would lack them.
+    A layout with an object of an unknown category is refused, because its scene would lack it.
     """
     rooms: list[str | None] = []
     for layout in read_neutral(path):

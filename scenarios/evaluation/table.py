@@ -19,11 +19,11 @@ from scenarios.pictures.style import DPI, INK, PALE, PAPER, TRUE, plain, save
 _KINDS = ("json", "md", "png")
 _PLOTTED_COLUMNS = 4
 _DIGITS = 3
-"""Of a figure in Markdown."""
+"""Significant digits of a figure in Markdown."""
 
 
 def to_plain(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Rows as JSON has them; None where there is nothing to judge."""
+    """Return rows as plain data for JSON, with None for a figure that could not be judged."""
     return [
         {
             "method": row.method,
@@ -50,11 +50,11 @@ def write_table(
     Args:
         folder: Folder to write into.
         name: Name of the table, and of its files.
-        head: What the table is of: data, seed, budget, machine.
+        head: Settings of the table: data, seed, budget, machine.
         rows: Its figures.
-        metrics: What they are, in the order of the table.
-        titles: Methods by name, in the order of the table.
-        leads: Of some methods what each is beside the best of the others.
+        metrics: Metrics by key, in the order of the table.
+        titles: Titles of the methods by name, in the order of the table.
+        leads: For some methods, their leads over the best of the others.
 
     Returns:
         The files.
@@ -78,17 +78,27 @@ def write_table(
 
 
 def markdown(rows: Sequence[Row], metrics: Mapping[str, Metric], titles: Mapping[str, str]) -> str:
-    """The table with a line a metric and a column a method, each with half its interval."""
+    """Return the table as Markdown, with a line for each metric and a column for each method.
+
+    Metrics are lines, because there are many more of them than methods.
+
+    Args:
+        rows: Figures of the table.
+        metrics: Metrics by key, in the order of the lines; one without any figure is left out.
+        titles: Titles of the methods by name, in the order of the columns.
+    """
     cells = {(row.method, row.metric): row for row in rows}
     methods = [name for name in titles if any(row.method == name for row in rows)]
     head = ["metric", "unit", *(titles[name] for name in methods)]
     lines = [head, ["---"] * len(head)]
     for key, metric in metrics.items():
         found = [cells.get((name, key)) for name in methods]
+        # A metric without any figure, such as flights that nobody asked for, has no line.
         if any(row is not None and row.value is not None for row in found):
             arrow = {"lower": " ↓", "higher": " ↑", None: ""}[metric.better]
             title = f"`{key}` {metric.title}{arrow}"
             lines.append([title, metric.unit, *map(_cell, found)])
+    # Figures of a part of the scenes have a smaller n, so the largest is the number of scenes.
     counts = {name: max(row.n for row in rows if row.method == name) for name in methods}
     lines.append(["scenes", "", *(str(counts[name]) for name in methods)])
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
@@ -110,7 +120,13 @@ def _short(value: float) -> str:
 def draw_plot(
     path: Path, rows: Sequence[Row], metrics: Mapping[str, Metric], titles: Mapping[str, str]
 ) -> None:
-    """A graph for each metric, every method with its interval.
+    """Draw a graph for each metric, with every method and its interval.
+
+    Args:
+        path: PNG file to write.
+        rows: Figures of the table; those without an interval are left out.
+        metrics: Metrics by key, in the order of the graphs.
+        titles: Methods by name, in the order of the lines; only the names are drawn.
 
     Raises:
         OSError: If it cannot be written.
@@ -126,7 +142,7 @@ def draw_plot(
     shown = [key for key in metrics if any(metric == key for _, metric in cells)]
     n_lines = -(-len(shown) // _PLOTTED_COLUMNS)
     height = 0.9 + 0.22 * len(methods)
-    # Laid out here: fifty graphs that lay themselves out take half a minute.
+    # Margins are set by hand, because matplotlib's own layout of fifty graphs takes half a minute.
     size_in = 4.2 * _PLOTTED_COLUMNS, max(1, n_lines) * height
     figure = Figure(figsize=size_in, dpi=DPI, facecolor=PAPER)
     margin = 0.3 / max(1, n_lines)
@@ -146,6 +162,7 @@ def draw_plot(
                 ax.plot(row.interval_95, (place, place), color=TRUE, linewidth=2.0)
                 ax.plot(row.value, place, "o", color=INK, markersize=4)
         ax.set_title(f"{key} ({metrics[key].unit})", fontsize=9, color=INK, loc="left")
+        # The first method at the top, as in the table.
         ax.set_ylim(len(methods) - 0.5, -0.5)
         is_first = number % _PLOTTED_COLUMNS == 0
         ax.set_yticks(range(len(methods)), methods if is_first else [""] * len(methods))

@@ -1,1 +1,6 @@
-"""Scenes to order: what is asked for, draws until it is met, scenes that a pilot does badly in."""
+"""Scenes to order: requests, draws until a request is met, and scenes that are hard for a pilot.
+
+`asked` parses options, `prompts` reads wishes in English, `draws` draws until a scene meets them,
+`got` measures what a scene has of each wish, `districts` composes what is too large for the model,
+and `worst` keeps the scenes in which a pilot does worst.
+"""

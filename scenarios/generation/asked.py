@@ -1,4 +1,4 @@
-"""What a user asks for as text: the outline of a site, numbers of landing areas, a region."""
+"""Options of `aeroscene generate` that are texts: outline of a site, landing areas, a region."""
 
 from __future__ import annotations
 
@@ -23,18 +23,22 @@ _CLASSES = ("small", "medium", "large")
 
 
 class GenerateError(SceneError):
-    """A request that `aeroscene generate` cannot fulfil, in one line."""
+    """A request cannot be fulfilled; the message says in one line what would be valid."""
 
 
 def asked_areas(text: str) -> int | AreaCounts:
-    """Landing areas that a user asks for.
+    """Parse the numbers of landing areas that a user asks for.
 
     Args:
         text: A number for all, or counts of classes such as `small=20,large=2`.
 
+    Returns:
+        A number for all, or counts by class; a class that the text does not name is left open.
+
     Raises:
         SceneError: If the text is neither, or a number is out of its range.
     """
+    # Signs are let through, so that -5 is refused as out of range and not as malformed.
     if text.strip().lstrip("+-").isdecimal():
         AREAS.require("areas", int(text), RequestError)
         return int(text)
@@ -51,10 +55,13 @@ def asked_areas(text: str) -> int | AreaCounts:
 
 
 def outline_sides_m(text: str) -> tuple[float, float]:
-    """Sides of the site that a user asks for.
+    """Parse the sides of the site that a user asks for.
 
     Args:
         text: `EAST,NORTH` in metres, or the path of a JSON file with corners.
+
+    Returns:
+        Extent to the east and to the north, m. Corners are replaced by their bounding rectangle.
 
     Raises:
         SceneError: If the text is neither, or a side is out of its range.
@@ -73,13 +80,16 @@ def outline_sides_m(text: str) -> tuple[float, float]:
 
 
 def asked_region(text: str) -> Region:
-    """Region of a scene that a user asks for.
+    """Parse the region of a scene that a user asks for.
 
     Args:
-        text: `X0,Y0,X1,Y1` in metres, ENU, and where it has a height `Z0,Z1` behind that.
+        text: `X0,Y0,X1,Y1` in metres, ENU, and optionally `Z0,Z1` behind that.
+
+    Returns:
+        The region; without heights it reaches from minus to plus infinity.
 
     Raises:
-        SceneError: If the text is none.
+        SceneError: If the text is no region.
     """
     from aeroscene.feasibility.region import Region
 
@@ -113,6 +123,7 @@ def _bounding_sides_m(path: Path, valid: str) -> list[float]:
 
 
 def _bounded_json(path: Path) -> Any:
+    # The file may be anybody's: its size and nesting are bounded before it is parsed.
     data = read_bounded(path, MOST_JSON_BYTES)
     if (fault := excess(data)) is not None:
         raise ValueError(f"it {fault}")

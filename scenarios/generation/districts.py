@@ -1,4 +1,8 @@
-"""Districts to order: which options ask for one, and what came of it."""
+"""Districts to order: options that ask for one, and figures of the result.
+
+The scene model has learnt sites of up to 150 m and 250 objects. Larger wishes go to the grammar
+that also composes the corpus: it lays out blocks along streets, and needs no network.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +31,14 @@ def is_district(
     n_houses: int | None,
     n_storeys: int | None,
 ) -> bool:
-    """Whether wishes are beyond the scene model, which draws sites of up to 150 m."""
+    """Return true if wishes are beyond the scene model, which draws sites of up to 150 m.
+
+    Args:
+        outline_m: Sides of the site, east and north; None if they are not asked for.
+        n_objects: Number of objects; None if it is not asked for.
+        n_houses: Number of buildings; any number asks for a district.
+        n_storeys: Storeys of a tower; any number asks for a district.
+    """
     is_wide = outline_m is not None and max(outline_m) > OUTLINE_M.high
     is_full = n_objects is not None and n_objects > OBJECTS.high
     return is_wide or is_full or n_houses is not None or n_storeys is not None
@@ -37,10 +48,10 @@ def require_alone(options: Mapping[str, tuple[object, object]]) -> None:
     """Refuse options of the scene model beside a district.
 
     Args:
-        options: Value of each option, and its default.
+        options: Value of each option and its default, by name.
 
     Raises:
-        GenerateError: If one is not its default.
+        GenerateError: If one differs from its default.
     """
     for name, (value, usual) in options.items():
         if value != usual:
@@ -61,10 +72,18 @@ def district_request(
     n_storeys: int | None,
     n_areas: int | None,
 ) -> DistrictRequest:
-    """Request for a district, refused if the ground has no room for it.
+    """Return the request for a district; None for a wish leaves it to the grammar.
+
+    Args:
+        seed: Seed of the district.
+        outline_m: Sides of the ground, east and north.
+        n_objects: Number of objects, met within a tenth.
+        n_houses: Number of buildings, met within a tenth.
+        n_storeys: Furnished storeys of a tower.
+        n_areas: Greatest number of landing areas.
 
     Raises:
-        DistrictError: If a number is out of its range.
+        DistrictError: If a number is out of its range, or the ground has no room for all.
     """
     for side_m in outline_m or ():
         if side_m not in SIDE_M:
@@ -84,10 +103,19 @@ def district_request(
 def make_districts(
     requests: Sequence[DistrictRequest], tally: Tally, advance: Callable[[], None]
 ) -> None:
-    """Compose all districts and write what came of them."""
+    """Compose all districts, and write them and their figures.
+
+    A district that cannot be composed is noted in the tally, and the others follow.
+
+    Args:
+        requests: One request for each seed.
+        tally: Takes scenes, failures and times.
+        advance: Called after each request.
+    """
     from aeroscene.corpus.districts import compose_district
 
     for request in requests:
+        # The time of a district includes writing it.
         began_s = time.perf_counter()
         try:
             scene = compose_district(request)
@@ -100,7 +128,11 @@ def make_districts(
 
 
 def beside_district(scene: Scene) -> dict[str, Got]:
-    """What was asked for of a district beside what it has."""
+    """Return each wish for a district beside the figure that the district has.
+
+    Args:
+        scene: District, whose document names the wishes.
+    """
     got: dict[str, AttributeValue] = {
         "outline": "{:g},{:g}".format(*_sides_m(scene)),
         "objects": len(scene.objects),
@@ -118,16 +150,17 @@ def _is_met(name: str, asked: AttributeValue, got: AttributeValue) -> bool:
     if not isinstance(asked, (int, float)) or not isinstance(got, (int, float)):
         return asked == got
     if name == "areas":
-        return got <= asked
+        return got <= asked  # a limit: how many areas there are follows from the geometry
     return got == asked if name == "storeys" else math.isclose(got, asked, rel_tol=_SHARE)
 
 
 def _storeys(scene: Scene) -> int:
-    """Furnished storeys of the tallest building that can be entered: levels of its rooms."""
+    """Return the furnished storeys of the tallest building, counted by the levels of its rooms."""
     levels: dict[int, set[float]] = {}
     for obj in scene.objects:
         if obj.category in ROOMS and obj.parent_id is not None:
             foot_m = obj.bbox.p[2] - obj.bbox.s[2] / 2
+            # Rounded, because floors of one storey may differ by rounding errors.
             levels.setdefault(obj.parent_id, set()).add(round(foot_m, 1))
     return max(map(len, levels.values()), default=0)
 

@@ -1,4 +1,11 @@
-"""Draws of scenes until each meets its wishes, written as they are found."""
+"""Draws of scenes until each meets its wishes, written as they are found.
+
+A generative model follows wishes only roughly, and some draws cannot be made flyable at all. Each
+seed is therefore drawn again, with the attempt's number as a second seed, until a `Judge` keeps a
+scene. A scene that misses wishes of a prompt is set aside, and the best one of a seed is written if
+no draw meets all. Results go into a `Tally` and to disk at once, so that an interrupted command
+loses no scene.
+"""
 
 from __future__ import annotations
 
@@ -30,22 +37,29 @@ if TYPE_CHECKING:
     from scenarios.mission.difficulty import Grade
 
 MOST_GRADED_DRAWS = 24
-"""Draws of a seed until one is of the difficulty that is asked for."""
+"""Greatest number of draws of a seed if a difficulty is asked for: a third of scenes has each."""
 
 
 class Judge(Protocol):
     """Decides whether a sound scene is one that was asked for."""
 
     most_draws: int
-    """Draws of a seed after which it is given up."""
+    """Number of draws after which a seed is given up."""
 
     def judged(self, scene: Scene) -> tuple[Scene, str | None]:
-        """Return the scene with what was measured, and why it is not kept, None if it is."""
+        """Measure a scene and decide on it.
+
+        Args:
+            scene: Scene that can be flown.
+
+        Returns:
+            The scene with its measured figures, and the reason why it is not kept, None if it is.
+        """
         ...
 
 
 class AnyScene:
-    """Keeps every scene, with the width of its passages where that was asked for."""
+    """Keeps every scene, with the width of its passages if that was asked for."""
 
     def __init__(self, most_draws: int) -> None:
         self.most_draws = most_draws
@@ -65,8 +79,11 @@ class OfDifficulty:
         self._seen: dict[int, Counter[str]] = {}
 
     def judged(self, scene: Scene) -> tuple[Scene, str | None]:
-        """Measure the scene; another class, or no way at all, is another draw."""
-        # casadi and the kernels of planning: only where somebody asks.
+        """Measure the difficulty of a scene, and keep it if it is of the class.
+
+        A scene of another class, or one without any path to an area, is drawn again.
+        """
+        # CasADi and the kernels of planning are loaded only if somebody asks for a difficulty.
         from flightsim.vehicles.catalogue import airframe_by_name
         from scenarios.mission.difficulty import measure_difficulty
         from scenarios.mission.surroundings import MissionError
@@ -92,7 +109,11 @@ class OfDifficulty:
 
 
 def with_passages(scene: Scene) -> Scene:
-    """The scene with the width of its narrowest passage, where a least one was asked for."""
+    """Return the scene with the width of its narrowest passage, if a least width was asked for.
+
+    Args:
+        scene: Any scene; without the wish it is returned as it is.
+    """
     if "min_passage" not in scene.wishes:
         return scene
     found = narrowest(scene)
@@ -103,7 +124,7 @@ def with_passages(scene: Scene) -> Scene:
 
 
 class _SetAside(NamedTuple):
-    """The best draw of a seed that misses a wish of the prompt."""
+    """Best draw of a seed so far among those that miss a wish of the prompt."""
 
     shortfall: tuple[int, float]
     scene: Scene
@@ -112,25 +133,25 @@ class _SetAside(NamedTuple):
 
 @dataclass
 class Tally:
-    """Results of the draws so far."""
+    """Results of the draws so far, and the writer of scenes that are kept."""
 
     out: Path
     """Folder of the scenes."""
     files: list[str] = field(default_factory=list)
     failed: dict[int, str] = field(default_factory=dict)
-    """Reason why a seed gave no scene."""
+    """Reason why a seed gave no scene, by seed."""
     unfit: dict[int, str] = field(default_factory=dict)
-    """Reason why the sound scenes of a seed were not kept."""
+    """Reason why the sound scenes of a seed were not kept, by seed."""
     is_strict: bool = False
-    """Whether scenes that miss a wish are drawn again, and not kept."""
+    """True draws scenes that miss a wish again, and never keeps them."""
     prompt: str = ""
     """Prompt of the user; if there is one, a seed is drawn until it meets all wishes."""
     demands: Sequence[Count] = ()
     """Counts and relations of the prompt."""
     wishes: dict[str, dict[str, Got]] = field(default_factory=dict)
-    """What was got beside what was asked for, of the scenes that are kept, by file."""
+    """Each wish beside the figure of the scene, for the scenes that are kept, by file."""
     measured: dict[str, dict[str, AttributeValue]] = field(default_factory=dict)
-    """What was measured of the scenes that are kept, by file."""
+    """Measured figures of the scenes that are kept, by file."""
     n_rejected: int = 0
     sampled: list[float] = field(default_factory=list)
     """Collision rates of all draws."""
@@ -138,10 +159,18 @@ class Tally:
     """Collision rates of the finished scenes."""
     seconds: float = 0.0
     _aside: dict[int, _SetAside] = field(default_factory=dict)
-    """The best draws by seed."""
+    """Best draws that miss a wish, by seed."""
 
     def keep(self, found: Generated, judge: Judge) -> bool:
-        """Write the scene of a draw; return whether the draw gave one that is kept."""
+        """Judge a draw, and write its scene if it is kept.
+
+        Args:
+            found: Draw, whose scene is None if it was not sound.
+            judge: Decides whether a sound scene is kept.
+
+        Returns:
+            True if the draw gave a scene that is kept.
+        """
         self.sampled.append(collision_rate(found.raw))
         scene, reason = found.scene, str(found.report.rejection)
         if scene is not None:
@@ -154,6 +183,7 @@ class Tally:
                     f"the last of {judge.most_draws} draws has {missed}; "
                     "valid: wishes nearer to that, another seed, or no --strict"
                 )
+            # A scene that misses a wish of a prompt waits, since a later draw may meet all.
             if unfit is None and not (missed and self.prompt):
                 self.write(scene, wishes)
                 return True
@@ -162,21 +192,29 @@ class Tally:
             else:
                 self.unfit[scene.seed] = unfit
         self.n_rejected += 1
-        # That sound scenes were not what was asked for says more than that a draw was unsound.
+        # If sound scenes were not as asked for, that says more than the fault of an unsound draw.
         self.failed[found.request.seed] = self.unfit.get(found.request.seed, reason)
         return False
 
     def keep_best(self, seed: int) -> bool:
-        """Write the best draw of a seed whose draws all miss a wish; return whether it has one."""
+        """Write the best draw of a seed whose draws all miss a wish.
+
+        Args:
+            seed: Seed whose draws are used up.
+
+        Returns:
+            True if there was such a draw.
+        """
         best = self._aside.pop(seed, None)
         if best is None:
             return False
+        # It was counted as rejected when it was set aside.
         self.n_rejected -= 1
         self.write(best.scene, best.wishes)
         return True
 
     def best_of(self, seed: int) -> Scene | None:
-        """The best draw of a seed so far that misses a wish."""
+        """Return the best draw of a seed so far that misses a wish, None if there is none."""
         best = self._aside.get(seed)
         return None if best is None else best.scene
 
@@ -186,7 +224,12 @@ class Tally:
             self._aside[scene.seed] = _SetAside(now, scene, wishes)
 
     def write(self, scene: Scene, wishes: dict[str, Got]) -> None:
-        """Write a scene that is kept, with what was got of its wishes."""
+        """Write a scene that is kept.
+
+        Args:
+            scene: Scene; its file takes its id.
+            wishes: Wishes beside its figures, which its document names too.
+        """
         scene = with_measures(scene, wishes)
         self.failed.pop(scene.seed, None)
         self._aside.pop(scene.seed, None)
@@ -209,8 +252,18 @@ def draw_all(
     batch_size: int,
     advance: Callable[[], None],
 ) -> None:
-    """Draw every request until it gives a scene or the draws are used up."""
+    """Draw every request until it gives a scene or its draws are used up.
+
+    Args:
+        generator: The model.
+        requests: One request for each seed.
+        judge: Decides which draws are kept.
+        tally: Takes the draws.
+        batch_size: Number of scenes that are denoised at once.
+        advance: Called once for each request that is done.
+    """
     pending = list(requests)
+    # All requests are drawn once, then those that failed are drawn again, so that batches are full.
     for attempt in range(judge.most_draws):
         drawn, pending = pending, []
         began_s = time.perf_counter()
@@ -221,6 +274,7 @@ def draw_all(
                 pending.append(found.request)
             if is_kept or attempt == judge.most_draws - 1:
                 advance()
+            # The time of judging, which may plan flights, is not the model's.
             began_s = time.perf_counter()
     for request in pending:
         tally.keep_best(request.seed)
@@ -229,11 +283,13 @@ def draw_all(
 def draw_with_pictures(
     generator: Generator, request: Request, judge: Judge, tally: Tally, picture: Path
 ) -> None:
-    """Draw one request as `draw_all` does, and show how the draw that is kept, or the last, came.
+    """Draw one request as `draw_all` does, with pictures of the denoising of the draw that counts.
+
+    The draw that counts is the kept one, else the best that misses a wish, else the last.
 
     Args:
         generator: The model.
-        request: What is drawn.
+        request: Request to draw.
         judge: Decides which draws are kept.
         tally: Takes the draws.
         picture: PNG file to write.
@@ -246,6 +302,7 @@ def draw_with_pictures(
         began_s = time.perf_counter()
         found = next(generator.generate([request], attempt=attempt, on_step=recorder))
         tally.seconds += time.perf_counter() - began_s
+        # A change of the best tells that this draw took its place.
         before = tally.best_of(request.seed)
         is_kept = tally.keep(found, judge)
         best = tally.best_of(request.seed)

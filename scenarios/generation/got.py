@@ -1,7 +1,8 @@
-"""What a generated scene has beside what was asked for, wish by wish.
+"""Figures of a generated scene beside the user's wishes, wish by wish.
 
-The model is told the wishes and follows them as well as it has learnt to. A site of 150 m by 150 m
-is rare in its training scenes, so that it may draw a smaller one. The user reads it here.
+The model gets the wishes as conditions, and follows them as well as it has learnt to. For example,
+a site of 150 m by 150 m is rare in its training scenes, so it may draw a smaller one. The scene is
+measured afterwards, because the user must learn that; measuring also decides which draw is kept.
 """
 
 from __future__ import annotations
@@ -24,33 +25,37 @@ within it in 96% of outdoor scenes."""
 _OUTLINE_SHARE = 0.1
 """Share by which a side of the site may be missed: flights keep a margin beyond the site."""
 _LENGTH_M = 0.01
-"""Lengths are told to the centimetre."""
+"""Lengths are printed to the centimetre, so that a miss below that would look like none."""
 
 
 @dataclass(frozen=True, slots=True)
 class Got:
-    """A wish beside what came of it."""
+    """A wish beside the figure of a scene."""
 
     asked: AttributeValue
     got: AttributeValue | None
-    """None where there is nothing to measure, such as no passage."""
+    """Figure of the scene; None if there is nothing to measure, such as no passage."""
     is_met: bool
     off: float = 0.0
-    """Share by which a count misses what was asked for."""
+    """Share by which a count misses the wish."""
 
     def to_plain(self) -> dict[str, AttributeValue | None]:
-        """The wish as plain data."""
+        """Return the wish as plain data: asked, got and met."""
         return {"asked": self.asked, "got": self.got, "met": self.is_met}
 
 
 def beside_wishes(found: Generated, scene: Scene) -> dict[str, Got]:
-    """Every wish that can be measured beside what the scene has.
+    """Return every wish of the options that can be measured, beside the scene's figure.
 
     Args:
-        found: The draw.
-        scene: Its scene as it is kept, with what was measured on the way.
+        found: The draw, with its request.
+        scene: Its scene as it is kept, with the figures that were measured on the way.
+
+    Returns:
+        Wishes by name; a wish that the user left open is absent.
     """
     asked = dict(scene.wishes)
+    # All are measured and then chosen by name, because the table is easier to read than branches.
     rows = (
         ("theme", scene.theme, scene.theme == asked.get("theme")),
         ("objects", *_objects(asked, scene)),
@@ -65,7 +70,7 @@ def beside_wishes(found: Generated, scene: Scene) -> dict[str, Got]:
 
 
 def beside_demands(scene: Scene, demands: Sequence[Count]) -> dict[str, Got]:
-    """Counts and relations that a prompt asks for beside what the scene has, by their titles."""
+    """Return the counts and relations of a prompt beside the scene's figures, by their titles."""
     return {
         demand.title: Got(demand.number, n, demand.is_met(n), demand.off(n))
         for demand, n in numbers_of(scene, demands)
@@ -73,25 +78,31 @@ def beside_demands(scene: Scene, demands: Sequence[Count]) -> dict[str, Got]:
 
 
 def with_demands(scene: Scene, prompt: str, demands: Sequence[Count]) -> Scene:
-    """The scene whose document names the prompt and what it counts among the wishes."""
+    """Return the scene with the prompt, its counts and its relations among the wishes.
+
+    Args:
+        scene: Scene that was drawn.
+        prompt: Prompt on one line; empty for none.
+        demands: Counts and relations of the prompt.
+    """
     asked: dict[str, AttributeValue] = {each.title: each.number for each in demands}
     prompted: dict[str, AttributeValue] = {"prompt": prompt} if prompt else {}
     return replace(scene, wishes={**scene.wishes, **prompted, **asked})
 
 
 def shortfall(wishes: Mapping[str, Got]) -> tuple[int, float]:
-    """Order of draws, the best first: wishes that are missed, then by how much."""
+    """Return a key that sorts draws, the best first: wishes that are missed, then by how much."""
     return sum(not each.is_met for each in wishes.values()), sum(w.off for w in wishes.values())
 
 
 def with_measures(scene: Scene, wishes: Mapping[str, Got]) -> Scene:
-    """The scene whose document names what was got of every wish."""
+    """Return the scene with the figure of every wish among its measures."""
     got = {name: wish.got for name, wish in wishes.items() if wish.got is not None}
     return replace(scene, measured={**got, **scene.measured})
 
 
 def unmet(wishes: Mapping[str, Got]) -> str:
-    """The wishes that were not met, in words; empty if all were."""
+    """Return the wishes that were not met, in words; empty if all were."""
     return ", ".join(
         f"{name} {'none' if wish.got is None else wish.got} where {wish.asked} was asked for"
         for name, wish in wishes.items()
@@ -100,7 +111,7 @@ def unmet(wishes: Mapping[str, Got]) -> str:
 
 
 _Measure = tuple[AttributeValue | None, bool]
-"""What was got, and whether that meets the wish."""
+"""Figure of the scene, and whether it meets the wish."""
 
 
 def _objects(asked: Mapping[str, AttributeValue], scene: Scene) -> _Measure:
@@ -113,6 +124,7 @@ def _outline(found: Generated, scene: Scene) -> _Measure:
     sides_m = [high[axis] - low[axis] for axis in (0, 1)]
     is_met = all(
         _is_about(got, asked, _OUTLINE_SHARE)
+        # Without a wish the sides are compared with themselves.
         for got, asked in zip(sides_m, found.request.outline_m or sides_m, strict=True)
     )
     return ",".join(f"{side:.1f}" for side in sides_m), is_met
@@ -121,7 +133,7 @@ def _outline(found: Generated, scene: Scene) -> _Measure:
 def _areas(
     asked: Mapping[str, AttributeValue], scene: Scene
 ) -> Iterator[tuple[str, AttributeValue, bool]]:
-    """Numbers of landing areas, which wishes bound from above."""
+    """Yield the numbers of landing areas, which wishes bound from above."""
     classes = [area.drone_class for area in scene.landing_areas]
     counts = {f"areas_{name}": classes.count(name) for name in ("small", "medium", "large")}
     for name, n in {"areas": len(classes), **counts}.items():
@@ -130,12 +142,13 @@ def _areas(
 
 
 def _density(found: Generated, scene: Scene) -> _Measure:
-    """The factor on the usual number of fine objects that has come out."""
+    """Return the factor on the usual number of fine objects that the scene came out with."""
     asked, redo = found.request.density, found.request.redo
     if asked is None:
         return None, True
     n_kept = 0 if redo is None else redo.n_kept_fine
     n_fine = sum(not obj.is_coarse for obj in scene.objects) - n_kept
+    # `wish.n_fine` is the usual number times the factor, so the usual number cancels.
     got = asked * n_fine / max(1, found.wish.n_fine - n_kept)
     return round(got, 2), _is_about(got, asked, _OBJECTS_SHARE)
 
@@ -145,11 +158,12 @@ def _clutter(found: Generated, scene: Scene) -> _Measure:
     if asked is None:
         return None, True
     got = clutter_factor(found.raw, scene)
+    # Only from below: more clutter than asked for still is a cluttered place.
     return round(got, 2), got >= (1.0 - _OBJECTS_SHARE) * asked
 
 
 def _passage(asked: Mapping[str, AttributeValue], scene: Scene) -> _Measure:
-    """The narrowest passage; a scene without passages has none that is too narrow."""
+    """Return the narrowest passage; a scene without passages has none that is too narrow."""
     got, least_m = scene.measured.get("min_passage"), asked.get("min_passage")
     if not isinstance(got, (int, float)) or not isinstance(least_m, (int, float)):
         return None, True

@@ -1,8 +1,9 @@
-"""Scenes in which a pilot does worst: each is flown once, the worst flights decide.
+"""Scenes in which a pilot does worst: each scene is flown once, and the worst flights decide.
 
-Failed flights come first. Among failed ones and among the others a flight is worse the larger the
-sum of its ranks in landing error, time and least clearance; a figure that is missing has the worst
-rank, equal ones share theirs, and the lower seed goes first.
+Failed flights come first. Among failed flights and among the others, a flight is worse the larger
+the sum of its ranks in landing error, time and least clearance. Ranks are used because the three
+figures have different units. A missing figure has the worst rank, equal figures share theirs, and
+the lower seed goes first.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _SETTINGS = "asked.json"
 
 @dataclass(frozen=True, kw_only=True)
 class Flight:
-    """How a pilot fared in a scene."""
+    """Result of a pilot's flight in a scene."""
 
     seed: int
     success: bool
@@ -39,19 +40,23 @@ class Flight:
     touchdown_error_m: float | None = None
     sim_seconds: float | None = None
     least_clearance_m: float | None = None
-    """Least distance between the vehicle's sphere and an obstacle on the way, 1.5 m and more from
-    where it took off and came to rest."""
+    """Least distance between the vehicle's sphere and an obstacle along the path, except within
+    1.5 m of the take-off and the place of rest."""
 
 
 def fly(scene: Scene, pilot: NamedPilot) -> Flight:
-    """Fly a scene with an Iris, seed 0 and no wind, as fast as it goes.
+    """Fly a scene with an Iris, seed 0 and no wind, as fast as the machine can.
 
     A pilot that raises an error, and a scene in which ours finds no mission, count as failed.
 
+    Args:
+        scene: Scene to fly in.
+        pilot: Pilot to judge.
+
     Raises:
-        INPUT_ERRORS: If the machine does not allow the flight: then it says nothing of the pilot.
+        INPUT_ERRORS: If the machine does not allow the flight, which says nothing of the pilot.
     """
-    # The whole simulator: only where somebody flies.
+    # The whole simulator, which only flying needs.
     from flightsim.testbench import TestbenchCfg
     from scenarios.mission.surroundings import MissionError
     from scenarios.run.cfg import SitlCfg
@@ -71,6 +76,7 @@ def fly(scene: Scene, pilot: NamedPilot) -> Flight:
                 least_clearance_m=result.least_clearance_m,
             )
     except INPUT_ERRORS as error:
+        # Only a missing mission is a property of the scene.
         if not isinstance(error.__cause__, MissionError):
             raise
         return Flight(seed=scene.seed, success=False, reason=str(error))
@@ -80,10 +86,15 @@ def fly(scene: Scene, pilot: NamedPilot) -> Flight:
 
 
 def worst_first(flights: Sequence[Flight]) -> list[Flight]:
-    """Flights in the order of `ORDER`."""
+    """Return flights in the order that `ORDER` states.
+
+    Args:
+        flights: Flights of different seeds.
+    """
     badness = (
         [_bad(flight.touchdown_error_m) for flight in flights],
         [_bad(flight.sim_seconds) for flight in flights],
+        # A small clearance is bad, hence the sign.
         [_bad(flight.least_clearance_m, -1.0) for flight in flights],
     )
     # Rank 0 is best; equal figures share the lower one.
@@ -97,13 +108,17 @@ def _bad(figure: float | None, sign: float = 1.0) -> float:
 
 
 class Tries:
-    """Folder of scenes that were made and flown: what is there is not done again."""
+    """Folder of scenes that were made and flown, so that no call does the work of another again."""
 
     def __init__(self, folder: Path, asked: dict[str, Any]) -> None:
         """Open or make a folder.
 
+        Args:
+            folder: Folder of the tries.
+            asked: Options on which the scenes depend, apart from their seeds.
+
         Raises:
-            GenerateError: If it holds tries of something else.
+            GenerateError: If it holds tries of other options.
         """
         self.folder = folder
         path = folder / _SETTINGS
@@ -118,11 +133,17 @@ class Tries:
             file.write(text)
 
     def scene_path(self, seed: int) -> Path:
-        """File of the scene of a seed."""
+        """Return the file of a seed's scene, which may not exist yet."""
         return self.folder / f"aeroscene-{seed:04d}.json"
 
     def flight(self, seed: int, pilot: NamedPilot) -> Flight:
-        """The flight in the scene of a seed: read, or flown and written."""
+        """Return the flight in a seed's scene: read from the folder, or flown and written.
+
+        Args:
+            seed: Seed whose scene is in the folder.
+            pilot: Pilot to fly if there is no flight yet.
+        """
+        # Flights are deterministic, so a written one is as good as a new one.
         path = self.folder / f"aeroscene-{seed:04d}.flight.json"
         if path.exists():
             return msgspec.json.decode(path.read_bytes(), type=Flight)
@@ -132,10 +153,21 @@ class Tries:
         return flight
 
     def keep(self, flight: Flight, pilot: str, n_tried: int, out: Path) -> Path:
-        """Write the scene of a flight into another folder, with the flight in its document."""
+        """Write the scene of a flight into another folder, with the flight in its document.
+
+        Args:
+            flight: Flight to keep.
+            pilot: Name of the pilot.
+            n_tried: Number of scenes that were flown.
+            out: Folder to write to.
+
+        Returns:
+            Path of the scene.
+        """
         scene = read_scene(self.scene_path(flight.seed))
         figures = {f"flight_{name}": v for name, v in asdict(flight).items() if v is not None}
         del figures["flight_seed"]
+        # The document then says by which selection its difficulty came about.
         wishes = {**scene.wishes, "worst_for": pilot, "of": n_tried}
         path = out / f"{file_name(scene.scene_id)}.json"
         write_scene(replace(scene, wishes=wishes, measured={**scene.measured, **figures}), path)

@@ -1,7 +1,8 @@
-"""Pictures of a flight: what was planned and flown over the scene, and the ground it landed on.
+"""Pictures of a flight: planned and flown paths over the scene, and the ground of the landing.
 
-Of a flight that just ended (`tape.FlightTape`) or of a recording (`recorded.read_story`): both give
-a `FlightStory`, and `draw_pictures` draws it. Only this package knows matplotlib.
+A flight that just ended (`tape.FlightTape`) and a recording (`recorded.read_story`) both give a
+`FlightStory`, and `draw_pictures` draws it. Both sources therefore give the same pictures. Only
+this package knows matplotlib.
 """
 
 from typing import TYPE_CHECKING

@@ -1,4 +1,9 @@
-"""Rendered views of a scene that paths are drawn into, hidden behind what stands before them."""
+"""Rendered views of a scene, into which paths are drawn and behind whose objects they disappear.
+
+A path drawn over a picture would seem to float in front of everything. Each view is therefore
+rendered with its depth image. A point that lies farther away than the surface at its pixel is
+hidden, and drawn pale.
+"""
 
 from __future__ import annotations
 
@@ -21,18 +26,19 @@ _TOP_FOV_RAD = math.radians(14.0)
 """Field of view from above, narrow so that walls hardly lean."""
 _OBLIQUE_FOV_RAD = math.radians(32.0)
 _OBLIQUE_ELEVATION_RAD = math.radians(36.0)
-# The sun stands in the south-west: from there faces are lit, and shadows fall to the right.
+# The sun is in the south-west. Seen from there, faces are lit and shadows fall to the right.
 _OBLIQUE_AZIMUTH_RAD = math.radians(-118.0)
 _HIDDEN_M = 0.2
-"""Distance behind the visible surface from which a point is hidden; a path along a wall is not."""
+"""Distance behind the visible surface from which a point counts as hidden. A path along a wall,
+which is nearer, does not flicker."""
 _NEAR_M = 0.1
 _OVER_THE_PATH_M = 0.4
-"""Height above all of a path from which structures are removed where they would hide it."""
+"""Height above the highest point of a path from which structures are removed if they hide it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Backdrop:
-    """A picture of the scene, and where points in space appear in it."""
+    """A picture of the scene, with the projection of points in space onto it."""
 
     frame: RgbdFrame
 
@@ -44,7 +50,15 @@ class Backdrop:
     def pixels(
         self, points_enu_m: Float[np.ndarray, "n 3"]
     ) -> tuple[Float[np.ndarray, "n 2"], Bool[np.ndarray, " n"]]:
-        """Column and row of each point, NaN behind the eye, and whether something hides it."""
+        """Project points onto the picture.
+
+        Args:
+            points_enu_m: Points in the world.
+
+        Returns:
+            Column and row of each point, NaN behind the eye, and whether something hides it. Points
+            beyond the border are compared with the nearest pixel.
+        """
         frame = self.frame
         local = (points_enu_m - np.array(frame.position_enu_m)) @ frame.rotation_enu_from_optical
         depth_m = np.where(local[:, 2] > _NEAR_M, local[:, 2], np.nan)
@@ -56,14 +70,14 @@ class Backdrop:
         return places, depth_m > frame.depth_m[row, column] + _HIDDEN_M
 
     def pixels_per_m(self, point_enu_m: Vector3) -> float:
-        """Scale of an object that lies across the line of sight at a point, pixels per metre."""
+        """Return the scale in pixels per metre, across the line of sight at a point."""
         frame = self.frame
         away = np.array(point_enu_m) - np.array(frame.position_enu_m)
         return frame.fx / float(away @ frame.rotation_enu_from_optical[:, 2])
 
 
 class Stage:
-    """Takes pictures of one scene."""
+    """Takes pictures of one scene, always of one size."""
 
     def __init__(self, world: World, renderer: CameraRenderer, aspect: float) -> None:
         self._data = world.new_data()
@@ -71,18 +85,29 @@ class Stage:
         self._aspect = aspect
 
     def from_above(self, points_enu_m: Float[np.ndarray, "n 3"], margin: float) -> Backdrop:
-        """All points from straight above, north at the top."""
+        """Return a view of all points from straight above, north at the top.
+
+        Args:
+            points_enu_m: Points that must be in the picture.
+            margin: Factor on the extent of the points, 1 or more.
+        """
         low, high = points_enu_m.min(axis=0), points_enu_m.max(axis=0)
         middle = (low + high) / 2
         half_m = margin * (high - low)[:2] / 2
         reach_m = max(float(half_m[1]), float(half_m[0]) / self._aspect)
         x, y = middle[:2].tolist()
         level_m = float(high[2])
+        # The extent is measured at the highest point: lower points then lie within it as well.
         eye = (x, y, level_m + reach_m / math.tan(_TOP_FOV_RAD / 2))
         return self._view(eye, (x, y, level_m), _TOP_FOV_RAD)
 
     def from_aside(self, points_enu_m: Float[np.ndarray, "n 3"], margin: float) -> Backdrop:
-        """All points from above one side: the one from which least of them is hidden."""
+        """Return a view of all points from above one side, of four the one that hides least.
+
+        Args:
+            points_enu_m: Points that must be in the picture.
+            margin: Factor on the extent of the points, 1 or more.
+        """
         backdrops = []
         for turn in (0.0, math.pi / 2, math.pi, -math.pi / 2):
             eye, target = frame_points(
@@ -95,6 +120,7 @@ class Stage:
             )
             backdrop = self._view(eye, target, _OBLIQUE_FOV_RAD)
             hidden = float(backdrop.pixels(points_enu_m)[1].mean())
+            # The number breaks ties, in favour of the first side, where faces are lit.
             backdrops.append((hidden, len(backdrops), backdrop))
         return min(backdrops)[2]
 
@@ -105,13 +131,18 @@ class Stage:
 
 @contextmanager
 def open_stage(world: World, width: int, height: int) -> Iterator[Stage]:
-    """Open a stage for pictures of a size in pixels."""
+    """Open a stage for pictures of a size in pixels, and free its renderer at the end."""
     with closing(open_camera_renderer(world, width, height)) as renderer:
         yield Stage(world, renderer, width / height)
 
 
 def opened_above(world: World, points_enu_m: Float[np.ndarray, "n 3"]) -> World:
-    """The world without what begins above all of the points: roofs, upper storeys."""
+    """Return the world without solids above all of the points, such as roofs and upper storeys.
+
+    Args:
+        world: World of the scene.
+        points_enu_m: Points that should become visible from above.
+    """
     top_m = float(points_enu_m[:, 2].max()) + _OVER_THE_PATH_M
     return replace(world, solids=cut_at(world.solids, top_m))
 
@@ -119,11 +150,11 @@ def opened_above(world: World, points_enu_m: Float[np.ndarray, "n 3"]) -> World:
 def surfaces_m(
     world: World, points_enu_m: Float[np.ndarray, "n 3"]
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """Heights of the surfaces next below and next above each point; NaN where there is none.
+    """Return the heights of the next surfaces below and above each point, NaN if there is none.
 
     Args:
-        world: World without a vehicle, which would be in the way.
-        points_enu_m: Points to look from.
+        world: World without a vehicle, which would be hit first.
+        points_enu_m: Points from which rays are cast.
     """
     data, geom = world.new_data(), np.zeros(1, dtype=np.int32)
 

@@ -1,4 +1,4 @@
-"""All pictures of a flight, into a folder."""
+"""All pictures of a flight, written into a folder."""
 
 from __future__ import annotations
 

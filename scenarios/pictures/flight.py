@@ -1,4 +1,9 @@
-"""`flight.png`: what was planned and flown, from above and from aside, and over time."""
+"""`flight.png`: planned and flown paths, from above and from aside, and over time.
+
+One view cannot show a flight in three dimensions: from above, heights are lost, and from aside,
+distances. The picture therefore has both, and two graphs over time below them. docs/recording.md
+explains it to readers.
+"""
 
 from __future__ import annotations
 
@@ -28,14 +33,18 @@ _ROOM_M = 3.0
 """Margin shown around the flight."""
 _MARGIN = 1.08
 _MUCH_HIDDEN = 0.25
-"""Share of a path hidden from above, beyond which roofs are removed."""
+"""Share of a path that may be hidden from above before roofs are removed."""
 _PLANNED_PT, _FLOWN_PT = 7.5, 2.2
 _STRIDE = 5
-"""Number of ticks of 20 ms from one drawn point to the next."""
+"""Ticks of 20 ms from one drawn point to the next."""
 
 
 def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
     """Draw the flight into files, each in the format of its name.
+
+    Args:
+        story: Flight to draw.
+        paths: Files to write; the flight is drawn once for all of them.
 
     Raises:
         OSError: If one cannot be written.
@@ -64,13 +73,17 @@ def draw_flight(story: FlightStory, paths: Sequence[Path]) -> None:
 
 
 def thinned(track: Track) -> Track:
-    """Every so many points of a track, the last among them."""
+    """Return every fifth point of a track, and always its last one.
+
+    Args:
+        track: Track with a point for each tick of 20 ms.
+    """
     keep = np.unique(np.append(np.arange(0, len(track.time_s), _STRIDE), len(track.time_s) - 1))
     return Track(**{row.name: getattr(track, row.name)[keep] for row in fields(Track)})
 
 
 def _backdrops(story: FlightStory, world: World, flown: Track) -> tuple[Backdrop, Backdrop, bool]:
-    """Views from above and aside, and whether roofs that hid much of the flight were removed."""
+    """Return views from above and aside, and whether roofs that hid the flight were removed."""
     framed = _framed(story, flown)
     with open_stage(world, *_VIEW_PX) as stage:
         above = stage.from_above(framed, _MARGIN)
@@ -81,7 +94,7 @@ def _backdrops(story: FlightStory, world: World, flown: Track) -> tuple[Backdrop
 
 
 def _framed_paths(story: FlightStory, flown: Track) -> np.ndarray:
-    """Points of the flown and planned way and of the area."""
+    """Return the points of the flown path, of the plans and of the area."""
     parts = [flown.true_enu_m, *(leg.points_enu_m for leg in story.plans)]
     if story.area is not None:
         parts.append(np.array(story.area.polygon))
@@ -89,10 +102,11 @@ def _framed_paths(story: FlightStory, flown: Track) -> np.ndarray:
 
 
 def _framed(story: FlightStory, flown: Track) -> np.ndarray:
-    """Points that both views must show: the way, the area and a margin."""
+    """Return the points that both views must show: paths, the area and a margin."""
     points = _framed_paths(story, flown)
     low, high = points.min(axis=0), points.max(axis=0)
     room = np.array([_ROOM_M, _ROOM_M, 0.0])
+    # Four corners of the margin, on the level of the lowest point.
     corners = np.array([(x, y, low[2]) for x in (0, 1) for y in (0, 1)])
     return np.concatenate(
         [points, np.where(corners > 0, 1, 0) * (high - low + 2 * room) + low - room]
@@ -100,7 +114,7 @@ def _framed(story: FlightStory, flown: Track) -> np.ndarray:
 
 
 def _draw_view(view: View, story: FlightStory, flown: Track) -> LineCollection:
-    """Everything that both views show; returns what a colour bar needs."""
+    """Draw everything that both views show, and return the lines that a colour bar explains."""
     if story.area is not None:
         view.area(story.area.polygon, style.AREA)
     for number, mover in enumerate(story.movers):
@@ -111,7 +125,8 @@ def _draw_view(view: View, story: FlightStory, flown: Track) -> LineCollection:
     for leg, is_superseded in legs:
         if is_superseded:
             view.path(leg.points_enu_m, style.SUPERSEDED, 1.4)
-    # Broad below and narrow above: both are seen where one follows the other.
+    # Plans are broad and below, the flown path is narrow and above, so that both can be seen where
+    # one follows the other.
     for leg, is_superseded in legs:
         if not is_superseded:
             view.path(leg.points_enu_m, style.PLANNED, _PLANNED_PT)

@@ -1,4 +1,10 @@
-"""`landing.png`: the pilot's map of the ground that it landed on, layer by layer."""
+"""`landing.png`: the pilot's map of the ground that it landed on, layer by layer.
+
+The picture answers why the pilot chose its touchdown point. It shows the true place from above, the
+four measured layers with the vehicle's limits, and the judgement that follows from them. The layers
+are in the pilot's own frame, so an error of the estimate shows as a shift between them and the
+picture.
+"""
 
 from __future__ import annotations
 
@@ -29,12 +35,12 @@ _UNSEEN = "#c9ced4"
 _JUDGED = ("#d1495b", "#f2b84b", "#3fb56b")
 _WORDS = ("unsafe", "safe, but off the area or covered", "safe")
 _RELIEF_M = 0.05
-"""Least range of heights that the colours span."""
+"""Least range of heights that the colours span, so that noise on level ground stays pale."""
 _MOST_TICKS = 6
 _USUAL = 0.9
-"""Share of the cells whose heights the colours tell apart."""
+"""Share of the cells whose heights lie within the range of the colours."""
 _ROOM_ABOVE_M = 1.5
-"""Height above the touchdown point up to which the picture from above shows structures."""
+"""Height above the touchdown point from which the picture leaves structures out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +85,13 @@ def draw_landing(story: FlightStory, paths: Sequence[Path]) -> None:
 
 
 def _needs(story: FlightStory) -> LandingNeeds:
-    """Needs of the vehicle for a landing site."""
+    """Return the vehicle's needs for a landing site."""
     is_perch = story.area is not None and story.area.kind == "perching"
     return landing_needs(story.airframe, PERCHING_SCATTER_M if is_perch else SCATTER_M)
 
 
 def _level_m(story: FlightStory) -> float:
-    """Reference height of the elevation: that of the touchdown point, or of the area."""
+    """Return the reference height of the elevation: the touchdown point's or the median."""
     if story.touchdown_enu_m is not None:
         return story.touchdown_enu_m[2]
     assert story.landing is not None
@@ -94,6 +100,7 @@ def _level_m(story: FlightStory) -> float:
 
 def _layers(landing: LandingLayers, needs: LandingNeeds, level_m: float) -> list[_Layer]:
     relief_m = landing.height_m - level_m
+    # A single pole would otherwise take all the colours for itself.
     reach_m = max(_RELIEF_M, float(np.nanquantile(np.abs(relief_m), _USUAL)))
     slope_deg, steepest_deg = np.degrees(landing.slope_rad), math.degrees(needs.max_slope_rad)
     roughness_cm, roughest_cm = 100 * landing.roughness_m, 100 * needs.max_roughness_m
@@ -126,7 +133,8 @@ def _draw_layer(axes: Axes, landing: LandingLayers, layer: _Layer) -> None:
 
 
 def _draw_limit(axes: Axes, landing: LandingLayers, values: np.ndarray, limit: float) -> None:
-    """Draw a line where a layer exceeds the vehicle's limit."""
+    """Draw the line along which a layer reaches the vehicle's limit."""
+    # matplotlib warns about a contour that does not exist.
     known = values[np.isfinite(values)]
     if len(known) and known.min() < limit < known.max():
         axes.contour(
@@ -141,7 +149,7 @@ def _show(axes: Axes, landing: LandingLayers, values: np.ndarray, **options: obj
 
 
 def _extent(landing: LandingLayers) -> tuple[float, float, float, float]:
-    """West, east, south and north edge."""
+    """Return the west, east, south and north edge, half a cell beyond the outer cells' centres."""
     half_m = (landing.east_m[1] - landing.east_m[0]) / 2
     west, east = landing.east_m[[0, -1]] + (-half_m, half_m)
     south, north = landing.north_m[[0, -1]] + (-half_m, half_m)
@@ -152,6 +160,7 @@ def _draw_judgement(axes: Axes, landing: LandingLayers) -> None:
     from matplotlib.colors import ListedColormap
 
     seen = np.isfinite(landing.height_m)
+    # Clearance is zero in cells that are unsafe or not allowed.
     usable = np.nan_to_num(landing.clearance_m) > 0
     kind = np.where(usable, 2.0, np.where(landing.is_safe, 1.0, 0.0))
     colours = ListedColormap(list(_JUDGED))
@@ -180,10 +189,12 @@ def _explain(figure: Figure, needs: LandingNeeds) -> None:
 
 def _draw_picture(axes: Axes, story: FlightStory, landing: LandingLayers) -> None:
     """Draw the place from above, to the scale of the maps."""
+    # The world is the true one, in which the pilot's map lies where the estimate puts it.
     world = build_world(story.scene)
     level_m = _level_m(story)
     west, east, south, north = _extent(landing)
     corners = np.array([(west, south, level_m), (east, north, level_m)])
+    # `opened_above` removes what is above the highest point, so this point sets the height.
     lid = np.array([[west, south, level_m + _ROOM_ABOVE_M]])
     with open_stage(opened_above(world, lid), _PICTURE_PX, _PICTURE_PX) as stage:
         picture = stage.from_above(corners, 1.0).rgb
@@ -197,6 +208,7 @@ def _draw_marks(axes: Axes, story: FlightStory, needs: LandingNeeds) -> None:
 
     if story.area is not None:
         corners = np.array([corner[:2] for corner in story.area.polygon])
+        # A white line below a dark one is seen on any ground.
         for colour, width in (("white", 3.5), (style.INK, 1.5)):
             axes.add_patch(Polygon(corners, fill=False, edgecolor=colour, linewidth=width))
     if story.touchdown_enu_m is None:

@@ -1,4 +1,4 @@
-"""Text in pictures that are arrays of pixels, by Pillow."""
+"""Text in pictures that are arrays of pixels, drawn by Pillow in its own font."""
 
 from __future__ import annotations
 
@@ -23,20 +23,35 @@ def _font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
 def write(
     picture: Picture, text: str, place_px: tuple[int, int], size_px: int, rgb: tuple[int, int, int]
 ) -> None:
-    """Write a line of text into a picture; its upper left corner comes to a place."""
+    """Write a line of text into a picture.
+
+    Args:
+        picture: Picture; changed.
+        text: Line of text.
+        place_px: Column and row of the text's upper left corner.
+        size_px: Height of the letters.
+        rgb: Colour, 0 to 255 each.
+    """
     image = Image.fromarray(picture)
     ImageDraw.Draw(image).text(place_px, text, font=_font(size_px), fill=rgb)
     picture[:] = np.asarray(image)
 
 
 def label(picture: Picture, text: str, *, size_px: int = 18) -> Picture:
-    """A picture with a line of text on a shade in its lower left corner."""
+    """Return a picture with a line of text on a dark shade in its lower left corner.
+
+    Args:
+        picture: Picture; it is not changed.
+        text: Line of text.
+        size_px: Height of the letters.
+    """
     image = Image.fromarray(picture).convert("RGBA")
     over = Image.new("RGBA", image.size)
     draw = ImageDraw.Draw(over)
     left, top, right, bottom = draw.textbbox((0, 0), text, font=_font(size_px))
     pad = size_px // 3
     x, y = 0, image.height - (bottom - top) - 2 * pad
+    # The box of a text does not begin at its origin, hence the offsets.
     draw.rectangle((x, y, x + right - left + 2 * pad, image.height), fill=_SHADE_RGBA)
     draw.text((x + pad - left, y + pad - top), text, font=_font(size_px), fill=_ON_SHADE_RGB)
     return np.array(Image.alpha_composite(image, over).convert("RGB"))

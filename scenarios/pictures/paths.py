@@ -1,4 +1,4 @@
-"""Paths, areas and scales drawn into a rendered view."""
+"""Paths, areas, labels and a scale, drawn into a rendered view."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LEGEND_SHARE = 0.34
 
 
 class View:
-    """Panel that shows a backdrop; hidden parts of paths are drawn pale."""
+    """Panel that shows a backdrop, and draws into it; hidden parts of paths are pale."""
 
     def __init__(self, axes: Axes, backdrop: Backdrop) -> None:
         self.axes = axes
@@ -32,6 +32,7 @@ class View:
         height, width, _ = backdrop.rgb.shape
         axes.imshow(backdrop.rgb, interpolation="antialiased", aspect="equal")
         axes.set_xlim(-0.5, width - 0.5)
+        # Rows count downwards, and pixel centres have whole numbers.
         axes.set_ylim(height - 0.5, -0.5)
         axes.set_xticks([])
         axes.set_yticks([])
@@ -39,7 +40,13 @@ class View:
             spine.set_visible(False)
 
     def path(self, points_enu_m: Float[np.ndarray, "n 3"], colour: str, width: float) -> None:
-        """A line of one colour."""
+        """Draw a line of one colour.
+
+        Args:
+            points_enu_m: Points of the line, in the world.
+            colour: Colour of matplotlib's.
+            width: Width in points.
+        """
         segments, is_hidden = self._segments(points_enu_m)
         for part, alpha in ((~is_hidden, 1.0), (is_hidden, _HIDDEN_ALPHA)):
             self._add(segments[part], width, colors=colour, alpha=alpha, capstyle="round")
@@ -51,7 +58,17 @@ class View:
         top_mps: float,
         width: float,
     ) -> LineCollection:
-        """A line coloured by speed, with a dark rim; returns what a colour bar needs."""
+        """Draw a line coloured by speed, with a dark rim.
+
+        Args:
+            points_enu_m: Points of the line, in the world.
+            speed_mps: Speed at each point.
+            top_mps: Speed of the last colour.
+            width: Width in points.
+
+        Returns:
+            The visible line, which a colour bar needs.
+        """
         from matplotlib.colors import Normalize
 
         segments, is_hidden = self._segments(points_enu_m)
@@ -67,7 +84,9 @@ class View:
         self, points_enu_m: Float[np.ndarray, "n 3"]
     ) -> tuple[Float[np.ndarray, "m 2 2"], Bool[np.ndarray, " m"]]:
         pixels, is_hidden = self._backdrop.pixels(points_enu_m)
+        # Segments of two points each, because a line has one colour and one opacity.
         segments = np.stack([pixels[:-1], pixels[1:]], axis=1)
+        # A segment counts as hidden only if both of its ends are.
         return segments, is_hidden[:-1] & is_hidden[1:]
 
     def _add(self, segments: np.ndarray, width: float, **options: object) -> LineCollection:
@@ -78,7 +97,12 @@ class View:
         return lines
 
     def area(self, polygon_enu_m: Sequence[Vector3], colour: str) -> None:
-        """A polygon: its outline, and a thin fill."""
+        """Draw a polygon with its outline and a transparent fill.
+
+        Args:
+            polygon_enu_m: Corners in order; a polygon that is partly behind the eye is left out.
+            colour: Colour of matplotlib's.
+        """
         from matplotlib.patches import Polygon
 
         pixels, _ = self._backdrop.pixels(np.array(polygon_enu_m))
@@ -87,7 +111,14 @@ class View:
             self.axes.add_patch(Polygon(pixels, fill=False, edgecolor=colour, linewidth=1.8))
 
     def mark(self, point_enu_m: Vector3, marker: str, colour: str, size: float) -> None:
-        """A symbol at a point."""
+        """Draw a symbol at a point.
+
+        Args:
+            point_enu_m: Point in the world; it is drawn even if something hides it.
+            marker: Symbol of matplotlib's, such as "o" or "*".
+            colour: Colour of matplotlib's.
+            size: Size in points.
+        """
         pixels, _ = self._backdrop.pixels(np.array([point_enu_m]))
         self.axes.plot(
             *pixels[0], marker, color=colour, markersize=size, markeredgecolor=style.INK, zorder=5
@@ -97,6 +128,7 @@ class View:
         """Draw a small label beside a point, if it is in the picture."""
         (column, row), _ = (values[0] for values in self._backdrop.pixels(point_enu_m[None]))
         height, width, _ = self._backdrop.rgb.shape
+        # Room for the text at the right and above, so that it stays within the picture.
         if 0 <= column < 0.93 * width and 0.03 * height <= row < height:
             place = self.axes.annotate(
                 text, (column, row), (5, 5), textcoords="offset points", fontsize=8, color="white"
@@ -104,7 +136,13 @@ class View:
             place.set_bbox({"facecolor": colour, "alpha": 0.85, "pad": 1.5, "edgecolor": "none"})
 
     def emptiest_corner(self, points_enu_m: Float[np.ndarray, "n 3"]) -> Corner:
-        """Corner where a legend hides the fewest points; the lower left belongs to the scale."""
+        """Return the corner where a legend hides the fewest points.
+
+        The lower left is not among them, because the scale is there.
+
+        Args:
+            points_enu_m: Points that should stay visible.
+        """
         pixels, _ = self._backdrop.pixels(points_enu_m)
         height, width, _ = self._backdrop.rgb.shape
         column, row = pixels[:, 0] / width, pixels[:, 1] / height
@@ -116,11 +154,16 @@ class View:
         return min(corners, key=lambda corner: int(np.count_nonzero(corners[corner])))
 
     def scale(self, at_enu_m: Vector3) -> None:
-        """A bar of a round length at the lower left, true at the height of a point."""
+        """Draw a bar of a round length at the lower left.
+
+        Args:
+            at_enu_m: Point at whose distance from the eye the length is true.
+        """
         height, width, _ = self._backdrop.rgb.shape
         per_m = self._backdrop.pixels_per_m(at_enu_m)
         length_m = style.round_length_m(width / per_m)
         left, base = 0.03 * width, 0.96 * height
+        # A light bar on a dark one is seen on any ground.
         for colour, thickness in ((style.INK, 6.0), ("white", 3.0)):
             self.axes.plot(
                 [left, left + length_m * per_m],

@@ -1,4 +1,9 @@
-"""The story of a flight, read from its recording alone."""
+"""The story of a flight, read from its recording alone.
+
+Scene and airframe are in the recording, so pictures can be drawn whatever has become of their
+files. The figures equal those of a `tape.FlightTape`, except that layers of the landing map are
+those of the last whole second and of half precision.
+"""
 
 from __future__ import annotations
 
@@ -42,6 +47,9 @@ _SCALARS = "Scalars:scalars"
 def read_story(path: Path) -> FlightStory:
     """Read the story of a flight from its recording.
 
+    Args:
+        path: File of a recording, also of a run that was killed.
+
     Raises:
         UnreadableRecordingError: If the file is missing or no recording.
         PictureError: If it holds no scene or no flight.
@@ -70,6 +78,10 @@ def read_story(path: Path) -> FlightStory:
 def read_scene(rows: RecordedRows, path: Path) -> Scene:
     """Read the scene of the flight.
 
+    Args:
+        rows: Rows of the recording, with `layout.SCENE_DOCUMENT`.
+        path: File of the recording, for the error.
+
     Raises:
         PictureError: If the recording holds none.
     """
@@ -84,8 +96,12 @@ def read_scene(rows: RecordedRows, path: Path) -> Scene:
 def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
     """Read the airframe of the flight.
 
+    Args:
+        rows: Rows of the recording, with its properties.
+        path: File of the recording, for the error.
+
     Raises:
-        PictureError: If the recording does not say.
+        PictureError: If the recording names no airframe, or a damaged one.
     """
     run = rows.properties.get(layout.RUN_PROPERTY, {})
     if "airframe" in run:
@@ -98,15 +114,16 @@ def read_airframe(rows: RecordedRows, path: Path) -> Airframe:
             ) from None
     if "vehicle" not in run:
         raise PictureError(f"recording {str(path)!r} names no vehicle; valid: one of a flight")
-    return airframe_by_name(run["vehicle"])  # of a recording that was made before they were kept
+    return airframe_by_name(run["vehicle"])  # Recordings of older versions have the name alone.
 
 
 def _track(rows: RecordedRows) -> Track:
     axes = [rows.vectors(layout.state("position", axis), _SCALARS) for axis in layout.AXES]
-    # A truncated file may lack the last rows of one of them.
+    # A truncated file may lack the last rows of one axis.
     n = min(len(values) for _, values in axes)
     time_us = axes[0][0]
     ref_m, est_m, true_m = np.stack([values[:n] for _, values in axes], axis=2).swapaxes(0, 1)
+    # States are recorded when they change, so each holds until the next one.
     is_armed = np.zeros(n, dtype=bool)
     for since_us, state in rows.rows(layout.ARMED, "StateChange:state"):
         is_armed[time_us[:n] >= since_us] = state[0] == "armed"
@@ -119,7 +136,7 @@ def _track(rows: RecordedRows) -> Track:
 
 
 def _plans(rows: RecordedRows) -> tuple[PlannedLeg, ...]:
-    """Plans from arming on; what the pilot plans before that is not flown."""
+    """Return the plans from arming on, because earlier ones were not flown."""
     durations_s = dict(rows.rows(layout.PLANNED, "duration_s"))
     armed = [t for t, s in rows.rows(layout.ARMED, "StateChange:state") if s[0] == "armed"]
     begin_us = armed[0] if armed else 0
@@ -128,6 +145,7 @@ def _plans(rows: RecordedRows) -> tuple[PlannedLeg, ...]:
         points = np.array(strips[0], dtype=float)
         if time_us not in durations_s:
             continue
+        # Of the plans before arming only the last one was taken up, when the rotors began to turn.
         if time_us <= begin_us:
             legs.clear()
         legs.append(
@@ -160,7 +178,7 @@ def _touchdown(rows: RecordedRows) -> Vector3 | None:
 
 
 def _landing(rows: RecordedRows) -> LandingLayers | None:
-    """Last landing map whose layers were written."""
+    """Return the last landing map whose layers were written, None if there is none."""
     layers = ("height_m", "slope_rad", "roughness_m", "clearance_m")
     names = ("east_m", "north_m", "is_observed", "is_safe", *layers)
     found = {name: rows.rows(layout.LANDING_GRID, name) for name in names}
@@ -170,6 +188,7 @@ def _landing(rows: RecordedRows) -> LandingLayers | None:
     n = len(last["east_m"])
     seen = last["is_observed"].reshape(n, n)
 
+    # Layers are recorded without the cells that were not seen.
     def spread(name: str) -> Float[np.ndarray, "n n"]:
         layer = np.full((n, n), np.nan)
         layer[seen] = last[name]

@@ -30,7 +30,8 @@ _INDOOR_ELEVATION_RAD = math.radians(58.0)
 _OVER = 2
 """Supersampling factor, which smooths edges for less than a fine picture costs."""
 _CUT_M = 2.6
-"""Height above the floor at which indoor scenes are cut: ceilings, roofs and upper storeys go."""
+"""Height above the floor at which indoor scenes are cut: ceilings, roofs and upper storeys are
+removed."""
 
 _GAP_PX = 10
 _CAPTION_PX = 46
@@ -59,6 +60,7 @@ def draw_sheet(
         OSError: If the file cannot be written.
     """
     cells: list[Picture] = []
+    # Processes get a set without entries, because those of a whole dataset are large to send.
     draw = partial(_draw_cell, dataset.select(()), width)
     with closing(run_all(draw, dataset.entries, jobs)) as results:
         for cell in results:
@@ -74,7 +76,13 @@ def _draw_cell(reader: SceneSet[Entry], width: int, entry: Entry) -> Picture:
 
 
 def draw_scene(scene: Scene, width: int, aspect: float = ASPECT) -> Picture:
-    """Draw a scene from above one corner; indoor scenes are cut open above the furniture."""
+    """Draw a scene from above one corner; indoor scenes are cut open above the furniture.
+
+    Args:
+        scene: Scene to draw.
+        width: Width of the picture, pixels.
+        aspect: Width over height.
+    """
     height = round(width / aspect)
     world = build_world(scene)
     is_indoor = scene.domain == "indoor"
@@ -84,6 +92,7 @@ def draw_scene(scene: Scene, width: int, aspect: float = ASPECT) -> Picture:
     eye, target = frame_points(
         _outline(scene, _CUT_M if is_indoor else math.inf),
         azimuth_rad=_AZIMUTH_RAD,
+        # Steeper indoors, because walls would hide the floor.
         elevation_rad=_INDOOR_ELEVATION_RAD if is_indoor else _ELEVATION_RAD,
         vertical_fov_rad=_FOV_RAD,
         aspect=aspect,
@@ -94,7 +103,7 @@ def draw_scene(scene: Scene, width: int, aspect: float = ASPECT) -> Picture:
 
 
 def _outline(scene: Scene, height_m: float) -> np.ndarray:
-    """Corners of all boxes, capped at a height above the scene's floor."""
+    """Return the corners of all boxes, capped at a height above the scene's floor."""
     corners = np.concatenate([obj.bbox.corners() for obj in scene.objects])
     top = scene.extent_min_enu_m[2] + height_m
     return np.minimum(corners, [np.inf, np.inf, top])
@@ -109,10 +118,15 @@ def _caption(entry: SceneSummary, width: int) -> Picture:
 
 
 def tile(cells: Sequence[Picture], columns: int) -> Picture:
-    """Arrange pictures of equal size row by row, with gaps between them."""
+    """Arrange pictures row by row, with gaps between them.
+
+    Args:
+        cells: Pictures of equal size, at least one.
+        columns: Pictures side by side, at most.
+    """
     height, width, _ = cells[0].shape
     columns = min(columns, len(cells))
-    rows = -(-len(cells) // columns)
+    rows = -(-len(cells) // columns)  # rounded up
     size = (rows * (height + _GAP_PX) + _GAP_PX, columns * (width + _GAP_PX) + _GAP_PX, 3)
     sheet = np.full(size, PAPER_RGB, dtype=np.uint8)
     for number, cell in enumerate(cells):

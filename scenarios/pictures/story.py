@@ -14,11 +14,11 @@ from autonomy.types import Vector3
 from flightsim.vehicles.airframe import Airframe
 
 _JOINED_M = 0.05
-"""Distance between the end of a plan and the beginning of the next up to which it continues."""
+"""Greatest distance from the end of a plan to the start of the next one that continues it."""
 
 
 class PictureError(ValueError):
-    """Pictures cannot be drawn; the message says of what or where."""
+    """Pictures cannot be drawn; the message names the recording or the file."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,11 +72,15 @@ class LandingLayers:
     clearance_m: Float[np.ndarray, "n n"]
     """Distance to the nearest cell that is unsafe or not allowed; 0 in those."""
     is_safe: Bool[np.ndarray, "n n"]
-    """Whether the ground is safe; some of it may lie off the area or below something."""
+    """True for safe ground, some of which may lie off the area or below something."""
 
     @classmethod
     def of(cls, landing: LandingMap) -> Self:
-        """The layers of a map."""
+        """Return the layers of a pilot's map, as copies.
+
+        Args:
+            landing: Map, which the pilot may go on changing.
+        """
         east_m, north_m = landing.axes_enu_m
         seen = landing.is_observed
 
@@ -96,7 +100,7 @@ class LandingLayers:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FlightStory:
-    """All data that the pictures of a flight show."""
+    """All data that the pictures of a flight show, whether from a run or from a recording."""
 
     scene: Scene
     airframe: Airframe
@@ -114,7 +118,8 @@ class FlightStory:
     landing: LandingLayers | None = None
 
     def superseded(self) -> tuple[bool, ...]:
-        """Whether each plan was replaced before it was flown to its end."""
+        """Return, for each plan, true if it was replaced before it was flown to its end."""
+        # A plan that starts where the last one ends continues it; any other replaces it.
         ends = [leg.points_enu_m[-1] for leg in self.plans]
         begins = [leg.points_enu_m[0] for leg in self.plans]
         gaps = [np.linalg.norm(begin - end) for end, begin in zip(ends, begins[1:], strict=False)]
@@ -122,5 +127,11 @@ class FlightStory:
 
 
 def title_of(scene: Scene, airframe: Airframe, ending: str) -> str:
-    """Title of a flight: scene, vehicle and result."""
+    """Return the title of a flight.
+
+    Args:
+        scene: Scene of the flight.
+        airframe: Vehicle.
+        ending: Result in a few words.
+    """
     return f"{scene.scene_id} ({scene.domain}), {airframe.title}: {ending}"

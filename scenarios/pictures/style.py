@@ -21,18 +21,22 @@ AREA, TOUCHDOWN = "#2fbf5f", "#ffffff"
 MOVERS = ("#ff9f1c", "#2ec4b6", "#a06cff", "#e4572e", "#76b041", "#3a86ff")
 SPEED_MAP, FLOWN = "plasma", "#ed7953"
 DPI, VECTOR_DPI = 100, 200
-"""Resolution of pictures in pixels, and of renderings within those made of lines."""
+"""Resolution, per inch, of PNG files and of renderings within SVG and PDF files."""
 
 
 def new_figure(width_in: float, height_in: float) -> Figure:
-    """An empty page."""
+    """Return an empty page; it belongs to no window, so no display is needed."""
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width_in, height_in), dpi=DPI, facecolor=PAPER, layout="constrained")
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a file, whole or not at all, in the format of its name: .png, .svg or .pdf.
+    """Write a file, whole or not at all.
+
+    Args:
+        figure: Page to write.
+        path: File, whose name ends in .png, .svg or .pdf.
 
     Raises:
         OSError: If it cannot be written.
@@ -40,7 +44,7 @@ def save(figure: Figure, path: Path) -> None:
     from matplotlib import rc_context
 
     data, kind = io.BytesIO(), path.suffix[1:]
-    # Without names, versions and dates: the same flight gives the same bytes.
+    # Names, versions and dates are left out, so that the same flight gives the same bytes.
     unsaid = {"png": ("Software",), "svg": ("Date",), "pdf": ("CreationDate", "Producer")}
     dpi = DPI if kind == "png" else VECTOR_DPI
     with rc_context({"svg.hashsalt": "aeroscene"}):
@@ -60,16 +64,21 @@ def plain(axes: Axes) -> None:
 
 
 def title(figure: Figure, text: str) -> None:
-    """The title of a page, at its upper left."""
+    """Set the title of a page, at its upper left."""
     figure.suptitle(text, x=0.008, ha="left", fontsize=14, color=INK)
 
 
 def heading(axes: Axes, text: str) -> None:
-    """The title of a panel."""
+    """Set the title of a panel."""
     axes.set_title(text, loc="left", fontsize=11, color=INK)
 
 
 def round_length_m(span_m: float) -> float:
-    """A length of 1, 2 or 5 times a power of ten, at most a fifth of a span."""
+    """Return a length of 1, 2 or 5 times a power of ten, at most a fifth of a span.
+
+    Args:
+        span_m: Length of the whole picture, greater than 0; 40 gives 5.
+    """
+    # The largest power of ten within a fifth of the span; 1 times it always fits.
     decade = 10.0 ** np.floor(np.log10(span_m / 5))
     return float(max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= span_m / 5))

@@ -1,4 +1,4 @@
-"""Tape of a flight: gathers the data of its pictures while it goes on."""
+"""Tape of a flight, which gathers the data of its pictures while the flight goes on."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 PLAN_STEP_S = 0.1
 """Time from one drawn point of a plan to the next."""
 _MOVER_TICKS = 5
-"""Number of ticks of 20 ms between two samples of the movers."""
+"""Ticks of 20 ms between two samples of the movers."""
 _FIELDS = ("position_true_enu_m", "position_est_enu_m", "reference_position_enu_m")
 
 
@@ -45,10 +45,10 @@ class FlightTape:
         """Follow a vehicle.
 
         Args:
-            plant: The vehicle.
-            autopilot: Who says whether it is armed.
+            plant: Plant of the vehicle.
+            autopilot: Reports of its flight stack, which say whether it is armed.
             pilot: Our own pilot, if it flies.
-            mates: Other vehicles in the same world, whose ways are shown too.
+            mates: Other vehicles in the same world, whose paths are shown too.
         """
         self._plant = plant
         self._mates = mates
@@ -64,7 +64,7 @@ class FlightTape:
 
     @property
     def has_any(self) -> bool:
-        """Whether anything was gathered."""
+        """True if at least two moments were sampled, which a path needs."""
         return len(self._times_us) > 1
 
     def on_tick(self) -> None:
@@ -78,15 +78,20 @@ class FlightTape:
         if has_movers and len(self._times_us) % _MOVER_TICKS == 0:
             mates_enu_m = [mate.truth.position_enu_m for mate in self._mates]
             movers_enu_m = plant.obstacles_true.position_enu_m
+            # Reshaped, because an empty list of mates would have one dimension only.
             self._movers.append(np.concatenate([movers_enu_m, np.reshape(mates_enu_m, (-1, 3))]))
-        # A plan from before the rotors turn is not flown.
+        # The pilot plans before it arms, but only the plan that is current then is flown.
         pilot = self._pilot
         if pilot is not None and self._is_armed[-1] and pilot.trajectory is not self._plan:
             self._plan = pilot.trajectory
             self._plans.append(planned_leg(plant.time_us * 1e-6, self._plan))
 
     def story(self, ending: str) -> FlightStory:
-        """Story of the flight so far, with a few words about its result."""
+        """Return the story of the flight so far.
+
+        Args:
+            ending: Result in a few words, for the title.
+        """
         plant, pilot = self._plant, self._pilot
         scene, airframe = plant.world.scene, plant.world.airframe
         known = FlightStory(
@@ -119,7 +124,7 @@ class FlightTape:
         return Track(
             time_s=np.array(self._times_us) * 1e-6,
             true_enu_m=true_m,
-            # All zero until the estimator is aligned, and until something is to be flown.
+            # Fields are all zero until the estimator is aligned, and until there is a set point.
             est_enu_m=np.where(np.any(est_m, axis=1, keepdims=True), est_m, np.nan),
             ref_enu_m=np.where(
                 is_armed[:, None] & np.any(ref_m, axis=1, keepdims=True), ref_m, np.nan
@@ -139,7 +144,12 @@ class FlightTape:
 
 
 def planned_leg(time_s: float, plan: Trajectory) -> PlannedLeg:
-    """Points along a plan that is taken up at a time, its end among them."""
+    """Return points along a plan, evenly in time and including its end.
+
+    Args:
+        time_s: Time at which the plan takes effect.
+        plan: Plan of the pilot.
+    """
     n_steps = max(1, round(plan.duration_s / PLAN_STEP_S))
     times_s = np.linspace(0.0, plan.duration_s, n_steps + 1)
     points_enu_m = plan.positions(times_s)

@@ -1,6 +1,7 @@
-"""Runs in rerun's format: the recorder, what it writes where, and reading it back.
+"""Runs in rerun's format: the recorder, the entities that it writes, and the way back from a file.
 
-Only this package and `scenarios.recording.viewer` know rerun.
+Only this package knows rerun, so that another format, or a new version of rerun, changes nothing
+else.
 """
 
 from scenarios.recording import quiet  # noqa: F401 - before anything that loads rerun

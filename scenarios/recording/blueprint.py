@@ -1,4 +1,8 @@
-"""Blueprint of a recording in the viewer: scene large, cameras beside it, plots and texts below."""
+"""Blueprint of a recording in the viewer: scene large, cameras beside it, plots and texts below.
+
+A blueprint is rerun's name for the arrangement of views. It travels in the recording, so that every
+viewer opens with start and goal in sight, without any settings of the user's.
+"""
 
 from __future__ import annotations
 
@@ -22,16 +26,16 @@ _EYE_AZIMUTH_RAD = math.radians(-125.0)
 _EYE_ELEVATION_RAD = math.radians(38.0)
 _EYE_FOV_RAD = math.radians(55.0)
 """Vertical angle of view of rerun's eye."""
-_VIEW_ASPECT = 1.6
+_VIEW_ASPECT = 1.6  # assumed width over height of the scene's view
 _ROOM_M = 4.0
 """Margin shown around start and goal, and above them."""
 _MARGIN = 1.05
 _FLAT = (layout.camera_depth, layout.camera_classes, layout.camera_instances)
 """Images of a camera that the view of the scene leaves out."""
 _KEPT = (layout.EXECUTED, layout.EARLIER_PLANS, layout.CHOICES, layout.CONTACTS)
-"""What is shown from the beginning on."""
+"""Entities that stay visible from their first row up to the time cursor."""
 SWITCHED_OFF = (layout.LANDING_SLOPE, layout.LANDING_ROUGHNESS, layout.LANDING_CLEARANCE)
-"""Layers of the landing map that lie where its safety is shown; the viewer switches them on."""
+"""Layers of the landing map that would cover its safety; the user switches them on."""
 
 
 def recording_blueprint(
@@ -42,14 +46,14 @@ def recording_blueprint(
     has_segments: bool = False,
     mates: Mapping[str, Airframe] = MappingProxyType({}),
 ) -> rrb.Blueprint:
-    """Blueprint of a recording of a run.
+    """Return the blueprint of a recording of a run.
 
     Args:
         scene: Scene of the flight.
         airframe: Vehicle that flies.
         goal_enu_m: Goal, framed together with the start; None frames the whole scene.
-        has_segments: Whether camera frames have objects and classes.
-        mates: Other vehicles in the same world, by their names.
+        has_segments: True if camera frames have objects and classes.
+        mates: Other vehicles in the same world, by their names, such as `vehicle_2`.
     """
     cameras = [mount.name for mount in airframe.rgbd_cameras]
     shown = _Shown(tuple(cameras), mates)
@@ -71,7 +75,7 @@ def recording_blueprint(
 
 
 def scene_blueprint(scene: Scene) -> rrb.Blueprint:
-    """Blueprint of a scene without a flight."""
+    """Return the blueprint of a scene without a flight: one view and the legend."""
     return rrb.Blueprint(
         rrb.Horizontal(
             _scene_view("Scene", _Shown(), _overview(scene, None)),
@@ -86,14 +90,14 @@ def scene_blueprint(scene: Scene) -> rrb.Blueprint:
 
 @dataclass(frozen=True)
 class _Shown:
-    """Entities of all vehicles that a view of the world treats in their own way."""
+    """Entities of all vehicles that a view of the world treats specially."""
 
     cameras: tuple[str, ...] = ()
     mates: Mapping[str, Airframe] = field(default_factory=dict)
 
     @property
     def images(self) -> list[str]:
-        """Images of depth and segments, which belong into views of their own."""
+        """Images of depth and segments of all vehicles, which have views of their own."""
         own = [image(camera) for camera in self.cameras for image in _FLAT]
         return own + [
             layout.of_vehicle(name, image(mount.name))
@@ -103,7 +107,7 @@ class _Shown:
         ]
 
     def of_all(self, *entities: str) -> list[str]:
-        """Entities of the first vehicle, and the same of the others."""
+        """Return entities of the first vehicle, and the same entities of the others."""
         others = (layout.of_vehicle(name, each) for name in self.mates for each in entities)
         return [*entities, *others]
 
@@ -119,6 +123,7 @@ def _scene_views(scene: Scene, shown: _Shown, goal_enu_m: Vector3 | None) -> rrb
 
 
 def _scene_view(name: str, shown: _Shown, eye: rrb.EyeControls3D) -> rrb.Spatial3DView:
+    # Without this range, only the newest row of an entity would be visible.
     until_now = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
             layout.TIMELINE,
@@ -141,13 +146,16 @@ def _scene_view(name: str, shown: _Shown, eye: rrb.EyeControls3D) -> rrb.Spatial
 
 
 def _overview(scene: Scene, goal_enu_m: Vector3 | None) -> rrb.EyeControls3D:
-    """An eye from above one side: on start and goal side by side, or on the whole scene."""
+    """Return an eye from above one side, on start and goal side by side or on the whole scene."""
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
+    # The ground alone is framed: the flight volume's height would push the eye away.
     high[2] = low[2]
     azimuth_rad = _EYE_AZIMUTH_RAD
     if goal_enu_m is not None:
         ends = np.array([scene.start_position_enu_m, goal_enu_m])
         low, high = ends.min(axis=0) - (_ROOM_M, _ROOM_M, 0.0), ends.max(axis=0) + _ROOM_M
+        # Seen from either side, start and goal lie beside each other. The side nearer to the usual
+        # azimuth is taken, so that recordings of a scene look alike.
         x, y, _ = (ends[1] - ends[0]).tolist()
         sides = [math.atan2(y, x) + turn for turn in (-math.pi / 2, math.pi / 2)]
         azimuth_rad = max(sides, key=lambda side: math.cos(side - _EYE_AZIMUTH_RAD))
@@ -212,7 +220,7 @@ def _plot(name: str, *entities: str) -> rrb.TimeSeriesView:
 
 
 def _axis_plots(what: str, unit: str) -> rrb.Container:
-    """A plot for each axis, with the true, the estimated and the reference value."""
+    """Return a plot for each axis, with the true, the estimated and the reference value."""
     plots = [
         rrb.TimeSeriesView(name=f"{axis}, {unit}", origin=f"{layout.STATE}/{what}/{axis}")
         for axis in layout.AXES
@@ -221,7 +229,7 @@ def _axis_plots(what: str, unit: str) -> rrb.Container:
 
 
 def _states() -> tuple[rrb.View, rrb.View]:
-    """The pilot's phase first; rerun sorts the rows of a view by their entities."""
+    """Return two views of states, because rerun sorts rows and the pilot's phase must be first."""
     states = [layout.MODE, layout.ARMED, layout.LANDED, layout.FAILSAFE]
     return (
         rrb.StateTimelineView(name="Pilot", origin="/", contents=[f"+ /{layout.PHASE}"]),

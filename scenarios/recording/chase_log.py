@@ -1,4 +1,4 @@
-"""The eye behind the vehicle in a recording: a camera that a view looks through."""
+"""The eye behind the vehicle in a recording, as a camera that a view looks through."""
 
 from __future__ import annotations
 
@@ -20,19 +20,25 @@ if TYPE_CHECKING:
 
 _PERIOD_US = 40_000
 """Simulated time between two poses of the eye: 25 a second."""
-_SIZE_PX = (1600.0, 900.0)
-_PLANE_M = 0.05
+_SIZE_PX = (1600.0, 900.0)  # only the ratio counts: the camera has no image
+_PLANE_M = 0.05  # size at which viewers draw the camera itself, nearly nothing
 
 
 class ChaseLog:
-    """Follows the flown trajectory by an eye, and writes where that is."""
+    """Lets an eye follow the flown trajectory, and writes its poses."""
 
     def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._eye: ChaseEye | None = None
 
     def send(self, world: World, history: np.ndarray) -> None:
-        """Write the poses of the eye along a stretch of `Plant.history`, which goes on the last."""
+        """Write the poses of the eye along a stretch of history.
+
+        Args:
+            world: World of the flight, in which the eye looks for walls.
+            history: Rows of `Plant.history`, oldest first, that continue those of the last call.
+        """
+        # Control ticks are 4 ms apart, so the period picks every tenth row.
         steps = np.flatnonzero(history["time_us"] % _PERIOD_US == 0)
         if not len(steps):
             return

@@ -1,4 +1,4 @@
-"""Contacts in a recording: what was touched, when and where."""
+"""Contacts in a recording: the touched object, the time and the place."""
 
 from __future__ import annotations
 
@@ -19,10 +19,12 @@ def log_contacts(stream: EntityStream, contacts: Iterable[Mapping[str, Any]]) ->
 
     Args:
         stream: Recording.
-        contacts: Plain data of each `scenarios.trials.contacts.Contact`.
+        contacts: Plain data of each `scenarios.trials.contacts.Contact`; needs time_s, until_s,
+            what and position_enu_m.
     """
     for contact in contacts:
         set_sim_time(stream, round(1e6 * contact["time_s"]))
+        # The time of the row is that of the first touch, so only the end is in words.
         words = f"{contact['what']}, until {contact['until_s']:.2f} s"
         stream.log(layout.TOUCHED, rr.TextLog(words))
         point = rr.Points3D(

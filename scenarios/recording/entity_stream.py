@@ -1,8 +1,9 @@
-"""Where entities of a recording go: to the stream itself, or to the part of one vehicle in it.
+"""Streams that entities of a recording are written to: the whole one, or one vehicle's part of it.
 
-The first vehicle has the paths of `layout`, so that a recording of several is read like one of a
-single vehicle. Those of another one stand below its name: `world/vehicle_2/...` for what has a
-place in the world, `vehicle_2/...` for the rest.
+The first vehicle has the paths of `layout`, so that a recording of several vehicles is read like
+one of a single vehicle. Another vehicle has its paths below its name: `world/vehicle_2/...` for
+entities with a place in the world, `vehicle_2/...` for the others. Writers such as `StateLog` take
+either kind of stream, and so need not know how many vehicles there are.
 """
 
 from __future__ import annotations
@@ -16,26 +17,49 @@ from scenarios.recording import layout
 
 @runtime_checkable
 class EntityStream(Protocol):
-    """What entities are written to; `rerun.RecordingStream` is one."""
+    """Stream that entities are written to, with the methods of `rerun.RecordingStream`."""
 
     def set_time(self, timeline: str, *, duration: Any) -> None:
-        """Set the time of what is logged next."""
+        """Set the time of the entities that are logged next.
+
+        Args:
+            timeline: Name of the timeline, `layout.TIMELINE`.
+            duration: Time since the start, as a timedelta.
+        """
         ...
 
     def log(self, entity_path: Any, entity: Any, *extra: Any, static: bool = False) -> None:
-        """Write an entity."""
+        """Write an entity at the present time.
+
+        Args:
+            entity_path: Path, as `layout` names it.
+            entity: rerun's archetype.
+            extra: Further archetypes of the same entity.
+            static: True for an entity that never changes.
+        """
         ...
 
     def send_columns(self, entity_path: str, indexes: Any, columns: Any) -> None:
-        """Write columns of an entity."""
+        """Write many rows of an entity at once.
+
+        Args:
+            entity_path: Path, as `layout` names it.
+            indexes: Time columns.
+            columns: Component columns with as many rows.
+        """
         ...
 
 
 class VehicleStream:
-    """The part of a stream in which one vehicle after the first has its entities."""
+    """Part of a stream in which one vehicle after the first has its entities."""
 
     def __init__(self, stream: rr.RecordingStream, name: str) -> None:
-        """Write to a stream, below the name of the vehicle, such as `vehicle_2`."""
+        """Write to a stream below the name of a vehicle.
+
+        Args:
+            stream: The whole recording.
+            name: Name of the vehicle, such as `vehicle_2`.
+        """
         self._stream = stream
         self._name = name
 

@@ -1,4 +1,4 @@
-"""Samples of the sensor of optical flow in a recording, as the sensor gives them."""
+"""Samples of the optical-flow sensor in a recording, as the sensor reports them."""
 
 from __future__ import annotations
 
@@ -24,8 +24,13 @@ class FlowLog:
         self._last_us = 0
 
     def on_tick(self, plant: Plant) -> None:
-        """Take the newest sample; a vehicle without the sensor has none."""
+        """Take the newest sample of a plant, unless it was taken already.
+
+        Args:
+            plant: Plant after a tick; one without the sensor adds nothing.
+        """
         sample = plant.sensors.optical_flow
+        # The integration time of a sensor that is not fitted stays zero.
         if sample.integration_us == 0 or sample.time_us == self._last_us:
             return
         self._last_us = sample.time_us

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 JPEG_QUALITY = 85
 _SHOWN_DEPTHS_M = (2.0, 5.0, 10.0, 20.0, 40.0, MOST_DEPTH_M)
-"""Depths that the last colour may stand for; in steps, so that colours rarely change."""
+"""Depths that the last colour may stand for. They are few, so that colours rarely change."""
 _NEARLY_ALL = 0.95
-_FRUSTUM_M = 0.6
+_FRUSTUM_M = 0.6  # distance from the camera at which viewers draw its image in the scene
 
 
 class FrameLog:
@@ -33,7 +33,12 @@ class FrameLog:
         self._segmented: set[str] = set()
 
     def log(self, frame: RgbdFrame, *, has_colour: bool) -> None:
-        """Write a frame at the stream's present time, with its colours or depth alone."""
+        """Write a frame at the stream's present time.
+
+        Args:
+            frame: Frame of a camera.
+            has_colour: False writes the depth alone, without colours, classes and objects.
+        """
         self._log_pinhole(frame)
         if has_colour:
             colour = rr.Image(frame.rgb).compress(jpeg_quality=JPEG_QUALITY)
@@ -53,7 +58,7 @@ class FrameLog:
             self._log_segments(frame.camera, frame.instance_ids, frame.class_ids)
 
     def _log_segments(self, camera: str, instances: np.ndarray, classes: np.ndarray) -> None:
-        """Write what is at each pixel, and before the first image what the numbers mean."""
+        """Write images of classes and objects; the names of their numbers come before the first."""
         if camera not in self._segmented:
             self._segmented.add(camera)
             for entity, names in (
@@ -62,7 +67,7 @@ class FrameLog:
             ):
                 self._stream.log(entity, rr.AnnotationContext(sorted(names.items())), static=True)
         self._stream.log(layout.camera_classes(camera), rr.SegmentationImage(classes))
-        # Ids below zero take the numbers from the top down.
+        # rerun takes unsigned numbers: ids below zero wrap around, -1 becomes 65535.
         self._stream.log(
             layout.camera_instances(camera), rr.SegmentationImage(instances.astype(np.uint16))
         )
@@ -88,10 +93,13 @@ class FrameLog:
 
 
 def encode_png(image: Integer[np.ndarray, "h w"]) -> bytes:
-    """An image of one channel as PNG.
+    """Return an image of one channel as PNG.
 
-    Of all filters, the difference from the pixel above gives depth images the smallest files, and
-    encodes in half the time that choosing a filter row by row takes.
+    Among PNG's filters, the difference from the pixel above gives depth images the smallest files.
+    It also encodes in half the time that choosing a filter row by row takes.
+
+    Args:
+        image: Pixels of 8 or 16 bits.
     """
     import cv2
 
@@ -100,21 +108,28 @@ def encode_png(image: Integer[np.ndarray, "h w"]) -> bytes:
 
 
 def shown_depth_m(depth_m: Float[np.ndarray, "h w"]) -> float:
-    """Least of some round depths within which nearly all seen points lie."""
+    """Return the least of some round depths within which nearly all seen points lie.
+
+    Args:
+        depth_m: Depth image; pixels without a reading are infinite or NaN.
+
+    Returns:
+        Depth of the last colour, in m; the greatest one for an image without any reading.
+    """
     seen_m = depth_m[np.isfinite(depth_m)]
     far_m = float(np.quantile(seen_m, _NEARLY_ALL)) if len(seen_m) else math.inf
     return next((depth for depth in _SHOWN_DEPTHS_M if depth >= far_m), _SHOWN_DEPTHS_M[-1])
 
 
 def _class_names() -> dict[int, str]:
-    """Names of the numbers in images of classes."""
+    """Return the names of the numbers in images of classes."""
     from flightsim.cameras.segmentation import CLASS_NAMES
 
     return dict(CLASS_NAMES)
 
 
 def _instance_names(scene: Scene) -> dict[int, str]:
-    """Names of the numbers in images of objects."""
+    """Return the names of the numbers in images of objects."""
     from flightsim.cameras.view import NO_OBJECT_ID
     from flightsim.environment.movers import MAX_MOVERS
     from flightsim.testbench.cfg import MAX_INSTANCES
@@ -123,6 +138,7 @@ def _instance_names(scene: Scene) -> dict[int, str]:
     others = {NO_OBJECT_ID: "sky", GROUND_ID: "bare ground", VEHICLE_ID: "own vehicle"}
     others |= {FIRST_MOVER_ID - index: f"mover {index}" for index in range(MAX_MOVERS)}
     others |= {FIRST_MATE_ID - k: f"vehicle {k + 1}" for k in range(MAX_INSTANCES)}
+    # Negative ids wrap around as they do in the images.
     return {obj.id: f"{obj.category} {obj.id}" for obj in scene.objects} | {
         number % (1 << 16): name for number, name in others.items()
     }

@@ -1,4 +1,9 @@
-"""The landing map in a recording: layers to switch between, and the places that were chosen."""
+"""The landing map in a recording: layers to switch between, and the points that were chosen.
+
+The map is the largest part of a recording of states, because every look of the pilot changes it.
+Safety alone is therefore written with every look. The other layers follow once a second, thinned
+for the viewer, and as one grid of half-precision numbers from which pictures are drawn later.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +31,14 @@ _CELL_RADIUS_M = 0.025
 SAFE_RGB, UNSAFE_RGB = (60, 200, 90), (220, 50, 40)
 _LOW_RGB, _HIGH_RGB = (40, 60, 160), (255, 230, 60)
 _STEEP_RAD, _ROUGH_M = math.radians(20.0), 0.08
-"""Values of the brightest colour: twice the limits of a vehicle."""
+"""Slope and roughness of the brightest colour: twice the limits of a vehicle."""
 TOUCHDOWN_RGB, _TOUCHDOWN_RADIUS_M = (255, 255, 255), 0.08
 CHOICE_RGB, _CHOICE_RADIUS_M = (255, 190, 60), 0.05
 _SAME_PLACE_M = 0.01
 
 
 class LandingLog:
-    """Writes the pilot's map of the ground where it wants to land."""
+    """Writes the pilot's map of the ground on which it wants to land."""
 
     def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
@@ -41,7 +46,13 @@ class LandingLog:
         self._chosen_enu_m: Vector3 | None = None
 
     def log(self, time_us: int, landing: LandingMap, touchdown_enu_m: Vector3 | None) -> None:
-        """Write a map as known at a time, and the touchdown point chosen on it, if one was."""
+        """Write a map, and the touchdown point that was chosen on it.
+
+        Args:
+            time_us: Simulated time at which the map was known.
+            landing: Map in the pilot's own frame, which errs as the estimate does.
+            touchdown_enu_m: Chosen point; None as long as there is none.
+        """
         set_sim_time(self._stream, time_us)
         cells_enu_m, cost = landing.cells_enu_m, landing.cost
         self._log_points(layout.LANDING_SAFETY, cells_enu_m, _mixed(cost, SAFE_RGB, UNSAFE_RGB))
@@ -57,7 +68,7 @@ class LandingLog:
         self._chosen_enu_m = touchdown_enu_m
 
     def _is_elsewhere(self, place_enu_m: Vector3) -> bool:
-        """Whether a place differs from the last one, whatever their heights."""
+        """Return true if a place differs from the last one horizontally."""
         last = self._chosen_enu_m
         return last is None or math.dist(last[:2], place_enu_m[:2]) > _SAME_PLACE_M
 
@@ -67,7 +78,7 @@ class LandingLog:
         self._stream.log(layout.CHOICES, choice)
 
     def _log_layers(self, landing: LandingMap) -> None:
-        """All layers: thinned to look at, whole to draw pictures of."""
+        """Write all layers: thinned for the viewer, whole for pictures."""
         seen = landing.is_observed
         shown = np.zeros_like(seen)
         shown[::_THINNED, ::_THINNED] = seen[::_THINNED, ::_THINNED]
@@ -77,6 +88,7 @@ class LandingLog:
             (layout.LANDING_ROUGHNESS, landing.roughness_m, _ROUGH_M),
             (layout.LANDING_CLEARANCE, landing.clearance_m, landing.enough_clearance_m),
         ):
+            # A cell without a value gets the brightest colour.
             share = np.nan_to_num(values[shown].astype(float) / top, nan=1.0)
             self._log_points(entity, cells_enu_m, _mixed(share, _LOW_RGB, _HIGH_RGB), _THINNED)
         east_m, north_m = landing.axes_enu_m
@@ -87,6 +99,7 @@ class LandingLog:
                 north_m=north_m,
                 is_observed=seen.ravel(),
                 is_safe=landing.is_safe[seen],
+                # Half precision has steps of 16 mm beyond 16 m, which is too coarse for heights.
                 height_m=landing.height_m[seen].astype(np.float32),
                 slope_rad=landing.slope_rad[seen].astype(np.float16),
                 roughness_m=landing.roughness_m[seen].astype(np.float16),
@@ -104,6 +117,6 @@ class LandingLog:
 def _mixed(
     share: Float[np.ndarray, " n"], low_rgb: tuple[int, int, int], high_rgb: tuple[int, int, int]
 ) -> UInt8[np.ndarray, "n 3"]:
-    """Colours from one at 0 to another at 1 and above."""
+    """Return colours from `low_rgb` at 0 to `high_rgb` at 1 and above."""
     part = np.clip(share, 0.0, 1.0)[:, None]
     return ((1 - part) * np.array(low_rgb) + part * np.array(high_rgb)).astype(np.uint8)

@@ -1,4 +1,8 @@
-"""Layout of a recording: the entity path of each quantity, and the one timeline."""
+"""Layout of a recording: the entity path of each quantity, and the one timeline.
+
+Writers, readers and blueprints take every path from here. The names are part of the format: pages,
+exports and recordings of users refer to them, so an existing name must not change.
+"""
 
 from __future__ import annotations
 
@@ -57,7 +61,7 @@ OPTICAL_FLOW_PARTS = (
     *("integration_us", "flow_forward_rad", "flow_right_rad"),
     *("gyro_forward_rad", "gyro_right_rad", "gyro_down_rad", "distance_m", "quality"),
 )
-"""What the columns of `OPTICAL_FLOW` are, in their order."""
+"""Names of the columns of `OPTICAL_FLOW`, in order; axes are body FRD."""
 
 TOUCHING = "contacts/touching"
 TOUCHED = "contacts/touched"
@@ -78,46 +82,59 @@ VERDICT_PROPERTY = "verdict"
 
 
 def of_vehicle(name: str, entity: str) -> str:
-    """Entity that a vehicle after the first, such as `vehicle_2`, has in place of the first's."""
+    """Return the path that an entity of the first vehicle has for another vehicle.
+
+    For example, `world/vehicle` of `vehicle_2` is `world/vehicle_2/vehicle`, and `run` is
+    `vehicle_2/run`.
+
+    Args:
+        name: Name of the vehicle, such as `vehicle_2`.
+        entity: Path of the first vehicle's entity.
+    """
     root, _, rest = entity.partition("/")
     return f"{WORLD}/{name}/{rest}" if root == WORLD else f"{name}/{entity}"
 
 
 def sensor(name: str) -> str:
-    """Entity of the gauge of a sensor, by its setting in `PlantCfg`."""
+    """Return the entity of a sensor's gauge; `name` is the sensor's field in `PlantCfg`."""
     return f"sensors/{name}"
 
 
 def state(what: str, axis: str) -> str:
-    """Entity of one axis of position, velocity or angular rate; a column for each of `STATES`."""
+    """Return the entity of one axis of a vector, with a column for each of `STATES`.
+
+    Args:
+        what: "position", "velocity" or "angular_rate".
+        axis: One of `AXES`, or of `BODY_AXES` for the angular rate, which has no reference.
+    """
     return f"{STATE}/{what}/{axis}"
 
 
 def mover(name: str) -> str:
-    """Entity of the mover `name`: a person, a car or another drone."""
+    """Return the entity of the mover `name`: a person, a car or another drone."""
     return f"{TRAFFIC}/{name}"
 
 
 def camera(name: str) -> str:
-    """Entity of the camera `name`, fixed to the vehicle; its images stand below it."""
+    """Return the entity of the camera `name`, fixed to the vehicle; its images are below it."""
     return f"{VEHICLE}/camera_{name}"
 
 
 def camera_rgb(name: str) -> str:
-    """Entity of the colour images of a camera."""
+    """Return the entity of the colour images of a camera."""
     return f"{camera(name)}/rgb"
 
 
 def camera_depth(name: str) -> str:
-    """Entity of the depth images of a camera."""
+    """Return the entity of the depth images of a camera."""
     return f"{camera(name)}/depth"
 
 
 def camera_classes(name: str) -> str:
-    """Entity of the images of classes of a camera."""
+    """Return the entity of the images of classes of a camera."""
     return f"{camera(name)}/classes"
 
 
 def camera_instances(name: str) -> str:
-    """Entity of the images of objects of a camera."""
+    """Return the entity of the images of objects of a camera."""
     return f"{camera(name)}/instances"

@@ -1,6 +1,7 @@
-"""Legend of a recording: an image that says what the colours in the scene mean.
+"""Legend of a recording: an image that explains the colours in the scene.
 
-Viewers have legends for plots, not for scenes in 3D, and their texts have no colours.
+rerun's viewer has legends for plots only, not for scenes in 3D. Its text documents have no colours
+either, so the legend is drawn as an image.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from scenarios.recording.track_log import TRACK_RGB
 from scenarios.recording.vehicle_recorder import EXECUTED_RGB
 
 Row = tuple[tuple[int, int, int], str]
-"""A colour and its meaning."""
+"""A colour, 0 to 255 each, and its meaning."""
 
 AREA_ROWS: tuple[Row, ...] = (
     *(
@@ -45,12 +46,18 @@ _WIDTH_PX, _ROW_PX, _LETTERS_PX, _SWATCH_PX = 440, 34, 20, 18
 
 
 def log_legend(stream: rr.RecordingStream, rows: Sequence[Row]) -> None:
-    """Write the legend, which never changes."""
+    """Write the legend, which never changes.
+
+    Args:
+        stream: Recording.
+        rows: Rows from top to bottom.
+    """
     stream.log(layout.LEGEND, rr.Image(draw_legend(rows)).compress(jpeg_quality=90), static=True)
 
 
 def draw_legend(rows: Sequence[Row]) -> np.ndarray:
-    """An image with a swatch and a line of text for each row, uint8 (height, width, 3)."""
+    """Return an image with a swatch and a line of text for each row, uint8 (height, width, 3)."""
+    # Only recordings with a scene have a legend, so Pillow is not loaded for the others.
     from PIL import Image, ImageDraw, ImageFont
 
     image = Image.new("RGB", (_WIDTH_PX, _ROW_PX * len(rows)), _PAPER_RGB)

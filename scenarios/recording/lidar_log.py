@@ -20,9 +20,15 @@ _FAR_M = 40.0
 
 
 def log_scan(stream: EntityStream, scan: LidarScan) -> None:
-    """Write a scan at the stream's present time, where the vehicle is then."""
+    """Write a scan at the stream's present time.
+
+    Args:
+        stream: Stream of the vehicle.
+        scan: Scan, whose points are body FLU. The viewer places them by the vehicle's pose.
+    """
     points = rr.Points3D(
         scan.points_flu_m.astype(np.float32),
+        # Rays that met nothing have an infinite range, and no point.
         colors=_colours(scan.range_m[np.isfinite(scan.range_m)]),
         radii=rr.Radius.ui_points(1.2),
     )
@@ -30,10 +36,11 @@ def log_scan(stream: EntityStream, scan: LidarScan) -> None:
 
 
 def _colours(range_m: Float[np.ndarray, " n"]) -> UInt8[np.ndarray, "n 3"]:
-    """Colours from blue, near, to red, far."""
+    """Return colours from blue (near) to red (far)."""
     import cv2
 
     levels = (255.0 * np.minimum(range_m / _FAR_M, 1.0)).astype(np.uint8)
     if not len(levels):
         return np.zeros((0, 3), dtype=np.uint8)
+    # OpenCV's colours are blue, green, red.
     return cv2.applyColorMap(levels[:, None], cv2.COLORMAP_TURBO)[:, 0, ::-1]

@@ -1,4 +1,8 @@
-"""Recordings of a folder, told apart without opening them."""
+"""List of the recordings in a folder, without opening them.
+
+Each recording has its verdict in a small JSON file beside it. Reading that file is far cheaper than
+reading a recording of many MB.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,7 @@ class Listed:
     """A recording by its file, and by the summary beside it if there is one."""
 
     recording: str
-    """The file."""
+    """Path of the file."""
     size_bytes: int
     scene: str | None = None
     vehicle: str | None = None
@@ -28,7 +32,7 @@ class Listed:
     reason: str | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """The recording as plain data."""
+        """Return the recording as plain data."""
         return asdict(self)
 
 
@@ -47,7 +51,12 @@ class _Summary(msgspec.Struct):
 
 
 def recordings_in(folder: Path) -> list[Listed]:
-    """All `.rrd` files of a folder and of the folders in it, by name.
+    """Return all `.rrd` files of a folder and of the folders in it, sorted by path.
+
+    A recording without a readable summary beside it is listed by its name and size alone.
+
+    Args:
+        folder: Folder to look through.
 
     Raises:
         OSError: If the folder cannot be read.

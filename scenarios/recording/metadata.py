@@ -25,16 +25,22 @@ class RunInfo:
     config: Mapping[str, Any] = field(default_factory=dict)
     """The fully resolved configuration, as plain data."""
     limits: Mapping[str, float] = field(default_factory=dict)
-    """Thresholds of the verdict, so that whoever reads the recording can judge by them."""
+    """Thresholds of the verdict, so that a reader of the recording can judge by them."""
 
     @property
     def title(self) -> str:
-        """The run in a few words."""
+        """Scene, vehicle and seed in a few words."""
         return f"scene {self.scene}, {self.vehicle}, seed {self.seed}"
 
 
 def log_run(stream: rr.RecordingStream, info: RunInfo, airframe: Airframe) -> None:
-    """Write the identity of the run and all of its vehicle before it begins."""
+    """Write the identity of the run before it begins.
+
+    Args:
+        stream: Recording.
+        info: Identity, configuration and limits.
+        airframe: First vehicle, which is written in full, so that its file is not needed later.
+    """
     stream.send_recording_name(info.title)
     stream.send_property(
         layout.RUN_PROPERTY,
@@ -51,7 +57,12 @@ def log_run(stream: rr.RecordingStream, info: RunInfo, airframe: Airframe) -> No
 
 
 def log_document(stream: rr.RecordingStream, scene: Scene) -> None:
-    """Write all of a scene, so that pictures can be drawn of the recording alone."""
+    """Write the whole scene as a document, so that pictures can be drawn from the recording alone.
+
+    Args:
+        stream: Recording.
+        scene: Scene of the flight.
+    """
     document = rr.AnyValues(json=scene_to_json(scene).decode())
     stream.log(layout.SCENE_DOCUMENT, document, static=True)
 
@@ -59,8 +70,13 @@ def log_document(stream: rr.RecordingStream, scene: Scene) -> None:
 def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any]) -> None:
     """Write the result of the run: `success`, `code`, `reason`, and all figures as JSON.
 
-    `success` is absent where nothing was to be judged. rerun would write None as an empty list in a
-    process that has written a truth value under that name before.
+    `success` is absent if there was nothing to judge. It is not written as None, because rerun
+    would write an empty list in a process that has written a truth value under that name before.
+
+    Args:
+        stream: Recording.
+        info: Identity of the run, for the page that people read.
+        verdict: Verdict and figures as plain data.
     """
     success = verdict.get("success")
     stream.send_property(
@@ -75,6 +91,7 @@ def log_verdict(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str,
     _log_page(stream, info, verdict)
 
 
+# Written at the start and again with the verdict: the last one of a static entity counts.
 def _log_page(stream: rr.RecordingStream, info: RunInfo, verdict: Mapping[str, Any] | None) -> None:
     sections = [f"# {info.title}"]
     if verdict is not None:
@@ -93,5 +110,6 @@ def _table(values: Mapping[str, Any]) -> str:
 
 
 def _cell(value: object) -> str:
+    # A bar or a line break would end the cell of a Markdown table.
     text = f"{value:.4g}" if isinstance(value, float) else str(value)
     return text.replace("|", "\\|").replace("\n", " ")

@@ -29,8 +29,13 @@ class PilotLog:
         recorder.log_phase(0, pilot.phase.value)
 
     def on_tick(self, time_us: int) -> None:
-        """Record a new plan, a new landing map, tracks of movers and new transitions."""
+        """Record a new plan, a new landing map, tracks of movers and new transitions.
+
+        Args:
+            time_us: Simulated time after the tick.
+        """
         pilot, recorder = self._pilot, self._recorder
+        # By identity, because each plan of the pilot is a new object.
         if pilot.trajectory is not self._plan:
             self._plan = pilot.trajectory
             recorder.plans.log(time_us, _points(self._plan), self._plan.duration_s)
@@ -52,6 +57,7 @@ class PilotLog:
     def _log_decisions(self) -> None:
         pilot, recorder = self._pilot, self._recorder
         for transition in pilot.transitions[self._n_transitions :]:
+            # A failure must stand out among the messages.
             severity = Severity.ERROR if transition.target is Phase.FAILED else Severity.INFO
             text = f"pilot: {transition.target.value}: {transition.reason}"
             recorder.log_statustext(transition.time_us, severity, text)
@@ -64,6 +70,6 @@ class PilotLog:
 
 
 def _points(plan: Trajectory) -> np.ndarray:
-    """Along a plan, evenly in time, its end among them."""
+    """Return points along a plan, evenly in time and including its end."""
     n_steps = max(1, round(plan.duration_s / _SAMPLE_S))
     return plan.positions(np.linspace(0.0, plan.duration_s, n_steps + 1))

@@ -1,4 +1,4 @@
-"""Plans in a recording: the present one bright, those before it dim, each with its time."""
+"""Plans in a recording: the present one bright, earlier ones dim, each with its time."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from scenarios.recording.columns import set_sim_time
 from scenarios.recording.entity_stream import EntityStream
 
 PLANNED_RGB, FLOWN_RGB, REPLACED_RGB = (255, 80, 200), (150, 70, 125), (120, 120, 130)
-_ON_TIME_S = 0.05
+_ON_TIME_S = 0.05  # A plan that is replaced this shortly before its end was flown as a whole.
 
 
 class PlanLog:
     """Writes each plan when it takes effect, and its fate when the next one does.
 
-    A plan that was flown to its end is a dim line of the same colour; one that was replaced before
-    is grey from the place where it was left.
+    A plan that was flown to its end becomes a dim line of the same colour. A plan that was replaced
+    earlier becomes grey from the place where the vehicle left it.
     """
 
     def __init__(self, stream: EntityStream) -> None:
@@ -31,7 +31,13 @@ class PlanLog:
         stream.log(layout.EARLIER_PLANS, thin, static=True)
 
     def log(self, time_us: int, points_enu_m: Float[np.ndarray, "n 3"], duration_s: float) -> None:
-        """Write a plan that is taken up at a time, by points evenly in time along all of it."""
+        """Write a plan that takes effect, and the fate of the one before.
+
+        Args:
+            time_us: Simulated time at which it takes effect.
+            points_enu_m: Points along all of it, evenly in time, from its start to its end.
+            duration_s: Duration of the plan.
+        """
         set_sim_time(self._stream, time_us)
         if self._last is not None:
             self._log_earlier(time_us, *self._last)
@@ -40,6 +46,7 @@ class PlanLog:
         self._stream.log(
             layout.PLANNED,
             rr.LineStrips3D.from_fields(strips=[points], labels=[self._name(time_us)]),
+            # The strip has no times; its points are even in time, so the duration gives them.
             rr.AnyValues(duration_s=duration_s),
         )
         self._last = (time_us, points, duration_s)
@@ -52,6 +59,7 @@ class PlanLog:
         if flown_s > duration_s - _ON_TIME_S:
             strips, colours, labels = [points], [FLOWN_RGB], [name]
         else:
+            # Points are even in time, so the share of time gives the index. A line needs two.
             left_at = max(1, round(flown_s / duration_s * (len(points) - 1)))
             strips = [points[: left_at + 1], points[left_at:]]
             colours = [FLOWN_RGB, REPLACED_RGB]

@@ -11,7 +11,9 @@ class RerunMissingError(RuntimeError):
 
 
 def rerun_program() -> Path:
-    """The executable, as rerun's own launcher finds it.
+    """Return the path of rerun's executable, as its own launcher finds it.
+
+    On macOS it is within an application bundle.
 
     Raises:
         RerunMissingError: If it is not installed.
@@ -26,9 +28,9 @@ def rerun_program() -> Path:
 
 
 def quiet_environment() -> dict[str, str]:
-    """This process's environment, with rerun's usage statistics off.
+    """Return this process's environment, with rerun's usage statistics off.
 
-    rerun sends them unless it believes to run in continuous integration (`rerun analytics
-    details`); it has no other switch that leaves the user's own settings alone.
+    rerun sends statistics unless it believes that it runs in continuous integration (`rerun
+    analytics details`). It has no other switch that leaves the user's own settings alone.
     """
     return {**os.environ, "CI": "1", "RERUN_APP_ONLY": "true"}

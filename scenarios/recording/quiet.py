@@ -1,7 +1,8 @@
-"""rerun's own log, which would colour lines of ours on standard error: off before rerun is loaded.
+"""Switch for rerun's own log, which must be off before rerun is loaded.
 
-A file that cannot be written is reported by `Recorder.fault`, in one line and once. A user who sets
-`RUST_LOG` gets rerun's log as asked.
+rerun's coloured lines would mix with ours on standard error. A file that cannot be written is
+reported by `Recorder.fault` instead, in one line and once. A user who sets `RUST_LOG` gets rerun's
+log as asked.
 """
 
 import os

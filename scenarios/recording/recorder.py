@@ -1,4 +1,9 @@
-"""Writes a run to an .rrd file that can be opened while it grows, and after a crash."""
+"""The recorder of a run, whose .rrd file can be opened while it grows, and after a crash.
+
+The recorder opens file and live port, writes the scene once, and hands every vehicle's data to a
+`VehicleRecorder`. It only reads the simulation, so a flight is the same bit for bit whether it is
+recorded or not. A fault of the file, such as a full disk, is noted and never ends a flight.
+"""
 
 from __future__ import annotations
 
@@ -43,13 +48,13 @@ _SERVER_MEMORY = "512MiB"
 class Recorder:
     """Records one run; call `on_tick` after every simulator tick and `close` at the end.
 
-    What was recorded up to the last simulated second, in a summary the last minute, is in the file
-    at any moment, whatever happens to this process.
+    At any moment the file holds everything up to the last simulated second, or the last minute in a
+    summary, whatever happens to this process.
 
     Attributes:
-        path: File of the recording; None where only a live viewer listens.
+        path: File of the recording; None if only a live viewer listens.
         url: Address at which a viewer can watch live; None unless a port was given.
-        fault: Reason for which the file lacks its end, such as a full disk; None if it is whole.
+        fault: Reason why the file lacks its end, such as a full disk; None if it is whole.
         first: Recorder of the vehicle, or of the first of several.
     """
 
@@ -72,14 +77,14 @@ class Recorder:
         Args:
             path: The .rrd file; None records for live viewers only.
             scene: Scene of the flight.
-            primitives: Shapes of the scene, of which the world was built.
+            primitives: Shapes of the scene, from which the world was built.
             airframe: Vehicle that flies.
             info: Identity of the run.
             goal_enu_m: Goal, in view together with the start; None shows all.
             serve_port: Loopback port on which viewers can watch live.
-            is_summary: Whether to keep only the verdict, the configuration, the planned and the
-                flown trajectory, the pilot's phases, texts and contacts.
-            has_segments: Whether camera frames will have objects and classes, to be in view.
+            is_summary: True keeps only the verdict, the configuration, the planned and the flown
+                trajectory, the pilot's phases, texts and contacts.
+            has_segments: True adds views of objects and classes, if camera frames will have them.
             mates: Other vehicles in the same world, by their names.
 
         Raises:
@@ -127,20 +132,20 @@ class Recorder:
         return sinks
 
     def on_tick(self, plant: Plant, autopilot: FlightReports | None = None) -> None:
-        """Record the last 20 ms of the first vehicle; see `VehicleRecorder`."""
+        """Record the last 20 ms of the first vehicle; see `VehicleRecorder.on_tick`."""
         self.first.on_tick(plant, autopilot)
 
     def flush(self) -> None:
-        """Write all buffered data."""
+        """Write all buffered data of all vehicles."""
         for vehicle in (self.first, *self.mates.values()):
             vehicle.flush()
 
     def conclude(self, verdict: Mapping[str, Any], mates: Sequence[Mapping[str, Any]] = ()) -> None:
-        """Write buffered data and the run's figures; without live viewers finish the file too.
+        """Write buffered data and the run's figures, and finish the file if nobody watches live.
 
         Args:
             verdict: Verdict and figures of the vehicle, or of the first of several.
-            mates: Those of the other vehicles.
+            mates: Verdicts and figures of the other vehicles, in their order.
         """
         for vehicle, figures in zip(self.mates.values(), mates, strict=False):
             vehicle.conclude(figures)
@@ -149,6 +154,7 @@ class Recorder:
         self.first.conclude(verdict)
         log_verdict(self._stream, self._info, verdict)
         self._write_out()
+        # A viewer may stay open after the flight, and reads from this stream.
         if self.url is None:
             self.close()
 
@@ -162,13 +168,14 @@ class Recorder:
         close_output(self._stream, self.fault)
 
     def discard(self) -> None:
-        """Remove the file, whose place a summary and pictures of the run may need."""
+        """Remove the file, because a summary and pictures of the run may need its room."""
         self.close()
         if self.path is not None:
             self.path.unlink(missing_ok=True)
 
     def _write_out(self) -> None:
-        """Wait until all is in the file; a full disk is noted and costs the run nothing else."""
+        """Wait until everything is in the file; note a full disk, and let the run continue."""
+        # A later success must not hide an earlier fault.
         self.fault = write_out(self._stream, self.path) or self.fault
 
     def __enter__(self) -> Self:
@@ -179,7 +186,8 @@ class Recorder:
 
 
 def _require_free(port: int) -> None:
-    """Refuse a port that is taken; the server itself would only log it."""
+    """Refuse a port that is taken, because the server itself would only log it."""
+    # SO_REUSEADDR, because a port that was just released may still linger.
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -191,11 +199,15 @@ def _require_free(port: int) -> None:
 
 
 def _new_stream() -> rr.RecordingStream:
-    """A stream with an id of its own: else viewers take all of one process for one recording."""
+    """Return a stream with an id of its own.
+
+    Otherwise viewers take all recordings of one process for a single one.
+    """
     stream = rr.RecordingStream(
         layout.APPLICATION_ID,
         recording_id=uuid4(),
         batcher_config=rr.ChunkBatcherConfig(flush_num_bytes=CHUNK_BYTES),
     )
+    # rerun would otherwise add a second timeline of wall times.
     stream.set_log_time_enabled(False)
     return stream

@@ -1,4 +1,10 @@
-"""The scene in a recording: primitives in batches by coarse object, ground, areas."""
+"""The scene in a recording: primitives in batches by coarse object, ground, areas.
+
+A scene has thousands of primitives, and an entity for each would make the viewer slow. They are
+therefore grouped by the coarse object that they belong to, such as a building or a room, and by
+their kind. The tree of entities in the viewer is then the tree of coarse objects, and a user can
+hide a storey with one click.
+"""
 
 from __future__ import annotations
 
@@ -27,14 +33,20 @@ PERCHING_RGB = (214, 120, 255)
 
 _GROUND_REACH_M = 100.0
 _GROUND_HEIGHT_M = -0.02
-"""A touch below zero, where floors and roads lie."""
+"""Height of the drawn ground, just below zero, where floors and roads lie."""
 _AREA_LIFT_M = 0.04
 """Height of a drawn landing area above its surface, so that the two do not flicker."""
 _AREA_FILL_ALPHA = 110
 
 
 def log_scene(stream: rr.RecordingStream, scene: Scene, primitives: Iterable[Primitive]) -> None:
-    """Write everything about the scene that never changes."""
+    """Write everything about the scene that never changes.
+
+    Args:
+        stream: Recording.
+        scene: Scene with its areas and its surroundings.
+        primitives: Shapes of its objects, each with the object's id.
+    """
     stream.log(layout.WORLD, rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     classes = [rr.AnnotationInfo(id=c.id, label=c.name) for c in CATALOGUE.values()]
     stream.log(layout.SCENE, rr.AnnotationContext(classes), static=True)
@@ -53,7 +65,7 @@ def log_scene(stream: rr.RecordingStream, scene: Scene, primitives: Iterable[Pri
 
 
 def _group_path(objects: Mapping[int, SceneObject], object_id: int) -> str:
-    """Entity of the nearest coarse object that an object is or belongs to, below its parents."""
+    """Return the entity of the coarse object that an object is or belongs to."""
     chain: list[str] = []
     next_id: int | None = object_id
     while next_id is not None and next_id in objects:
@@ -76,10 +88,11 @@ def _log_group(
 
 
 def _placed(batch: Sequence[Primitive], class_ids: Sequence[int]) -> dict[str, Any]:
-    """Where the solids of a batch are, and how they look."""
+    """Return poses, colours and classes of a batch, as rerun's arguments."""
     rgba = np.array([MATERIALS[p.material].rgba for p in batch])
     return {
         "centers": np.array([p.position_enu_m for p in batch], dtype=np.float32),
+        # rerun's quaternions have the scalar part last.
         "quaternions": np.roll(
             np.array([p.quat_wxyz for p in batch], dtype=np.float32), -1, axis=1
         ),
@@ -100,6 +113,7 @@ def _boxes(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Boxes3D:
 
 def _cylinders(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Cylinders3D:
     size = _sizes(batch)
+    # rerun's cylinders are round, so an elliptic one takes its larger radius.
     return rr.Cylinders3D(
         radii=size[:, :2].max(axis=1) / 2, lengths=size[:, 2], **_placed(batch, class_ids)
     )
@@ -110,7 +124,7 @@ def _ellipsoids(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Elli
 
 
 def _meshes(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Mesh3D:
-    """All convex hulls of the batch as one mesh with flat faces."""
+    """Return all convex hulls of the batch as one mesh with flat faces."""
     hulls = [
         Rotation.from_quat(p.quat_wxyz, scalar_first=True).apply(
             hull_triangles(np.asarray(p.vertices_m, dtype=float)).reshape(-1, 3)
@@ -119,15 +133,25 @@ def _meshes(batch: Sequence[Primitive], class_ids: Sequence[int]) -> rr.Mesh3D:
         for p in batch
     ]
     rgba = [MATERIALS[p.material].rgba for p in batch]
+    # A hull has three corners for each of its triangles, and each triangle one colour.
     colours = np.repeat(np.round(255 * np.array(rgba)), [len(h) // 3 for h in hulls], axis=0)
+    # The class of the first hull stands for all: rerun has no class for a part of a mesh.
     return flat_mesh(np.concatenate(hulls).reshape(-1, 3, 3), colours, class_ids=class_ids[:1])
 
 
 def flat_mesh(
     corners_m: Float[np.ndarray, "t 3 3"], colours: Num[np.ndarray, "t c"], **more: Any
 ) -> rr.Mesh3D:
-    """Triangles, each of one colour, 0 to 255, and lit as a flat face."""
+    """Return a mesh of triangles, each of one colour and lit as a flat face.
+
+    Args:
+        corners_m: Corners of each triangle, counter-clockwise seen from outside.
+        colours: Colour of each triangle, 0 to 255, with or without opacity.
+        more: Further arguments of `rerun.Mesh3D`.
+    """
+    # Corners are not shared: a shared corner would have one normal, and edges would look round.
     normals = np.cross(corners_m[:, 1] - corners_m[:, 0], corners_m[:, 2] - corners_m[:, 0])
+    # The floor keeps triangles without an area from dividing by zero.
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     return rr.Mesh3D(
         vertex_positions=corners_m.reshape(-1, 3).astype(np.float32),
@@ -141,20 +165,25 @@ _BATCHES = {"box": _boxes, "cylinder": _cylinders, "ellipsoid": _ellipsoids, "me
 
 
 def hull_triangles(vertices_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3 3"]:
-    """Triangles of a convex hull, counter-clockwise seen from outside."""
+    """Return the triangles of a convex hull, counter-clockwise seen from outside.
+
+    Args:
+        vertices_m: Points, at least four that are not in one plane.
+    """
     from scipy.spatial import ConvexHull
 
     hull = ConvexHull(vertices_m)
     triangles = vertices_m[hull.simplices]
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    # Qhull's triangles turn either way, but its plane equations have outward normals.
     is_inward = np.sum(normal * hull.equations[:, :3], axis=1) < 0
     triangles[is_inward] = triangles[is_inward][:, ::-1]
     return triangles
 
 
 def _log_ground(stream: rr.RecordingStream, scene: Scene) -> None:
-    """Grass, and what is around the site, each paint with its texture, a touch below floors."""
-    # Textures load where a scene is recorded, not where a recording is read.
+    """Write ground and surroundings of the site, each paint with its texture, just below floors."""
+    # Only writing a scene loads textures; reading a recording does not.
     from aeroscene.neighbourhood import neighbours_of
     from flightsim.looks.mesh import MeshBuilder
     from flightsim.looks.neighbours import add_neighbours
@@ -196,6 +225,7 @@ def _log_areas(
     triangles = np.concatenate([polygon_triangles(polygon) for polygon in lifted])
     fill = rr.Mesh3D(
         vertex_positions=triangles.reshape(-1, 3).astype(np.float32),
+        # Lit as a level face, whatever its slope.
         vertex_normals=[(0.0, 0.0, 1.0)] * (3 * len(triangles)),
         albedo_factor=(*rgb, _AREA_FILL_ALPHA),
     )
@@ -203,9 +233,14 @@ def _log_areas(
 
 
 def polygon_triangles(polygon_enu_m: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "m 3 3"]:
-    """Triangles that fill a simple polygon; each keeps the heights of its corners."""
+    """Return the triangles that fill a simple polygon; each keeps the heights of its corners.
+
+    Args:
+        polygon_enu_m: Corners in order, without a repeated first one; it may be concave.
+    """
     import shapely
 
+    # Shapely triangulates in the plane, so heights are looked up by corner afterwards.
     footprint = shapely.Polygon(polygon_enu_m[:, :2])
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(footprint))
     height_m = {tuple(corner[:2]): corner[2] for corner in polygon_enu_m}

@@ -18,6 +18,10 @@ from scenarios.recording.scene import log_scene
 def write_scene_recording(scene: Scene, path: Path) -> None:
     """Write an .rrd file that shows the scene and its interaction areas.
 
+    Args:
+        scene: Any scene.
+        path: File to write; it is replaced if it exists.
+
     Raises:
         RecordingError: If it cannot be written.
     """

@@ -1,4 +1,8 @@
-"""Which quantities of a run are plotted, where they come from, and how they look."""
+"""Quantities of a run that are plotted: fields they come from, names and colours.
+
+`SERIES` is a table, so that one loop in `columns` writes all of them. To plot a further field of
+`Plant.history`, add a row here and its entity in `layout`.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +16,7 @@ from scenarios.recording import layout
 from scenarios.recording.entity_stream import EntityStream
 
 ESTIMATE_FIELD, REFERENCE_FIELD = "position_est_enu_m", "reference_position_enu_m"
-"""Zero until the estimator is aligned, and until something is to be flown."""
+"""Fields that are all zero until the estimator is aligned, and until there is a set point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,11 +28,11 @@ class ScalarSeries:
     legend: tuple[str, ...]
     colours: tuple[tuple[int, int, int], ...]
     is_fast: bool = False
-    """Whether the series is kept at every control tick, else at every tick of the loop."""
+    """True keeps every control tick (250 Hz), False every tick of the loop (50 Hz)."""
     column: int | None = None
     """Column of each field that is plotted; None for all of them."""
     known_by: tuple[str | None, ...] = (None,)
-    """Field, for each field, that is all zero as long as that field means nothing."""
+    """For each field, another field that is all zero as long as the first one means nothing."""
 
 
 _RED, _GREEN, _BLUE = (230, 80, 80), (90, 200, 90), (90, 140, 255)
@@ -40,7 +44,7 @@ _ROTORS = (
     *(_ORANGE, _VIOLET, _TEAL, _YELLOW, _RED, _GREEN, _BLUE, _GREY),
     *((150, 90, 30), (230, 140, 210), (120, 160, 60), (90, 110, 160)),
 )
-"""Of as many rotors as a vehicle can have."""
+"""Colours of the rotors, as many as a vehicle can have."""
 
 
 def _axes(prefix: str, suffix: str, axes: Sequence[str] = layout.AXES) -> tuple[str, ...]:
@@ -96,12 +100,18 @@ DERIVED: tuple[ScalarSeries, ...] = (
     ),
     ScalarSeries(layout.ATTITUDE_ERROR, (), ("attitude deg",), (_ORANGE,)),
 )
-"""Series that are computed of several fields."""
+"""Series that are computed from several fields; `columns` computes them."""
 
 
 def log_legends(stream: EntityStream, n_rotors: int) -> None:
-    """Write names and colours of all series of a vehicle with so many rotors."""
+    """Write names and colours of all series of a vehicle.
+
+    Args:
+        stream: Stream of the vehicle.
+        n_rotors: Number of its rotors; history has columns for `MAX_ROTORS`.
+    """
     for series in (*SERIES, *DERIVED):
+        # The tuple itself marks the series with a column for each rotor.
         n = n_rotors if series.colours is _ROTORS else len(series.legend)
         lines = rr.SeriesLines(names=series.legend[:n], colors=series.colours[:n], widths=1.2)
         stream.log(series.entity, lines, static=True)

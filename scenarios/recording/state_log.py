@@ -1,4 +1,4 @@
-"""All that a recording holds of a vehicle besides its summary: its shape and its states."""
+"""Shape and states of a vehicle in a recording: everything that a summary leaves out."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class StateLog:
-    """Writes the vehicle at once, and what changes in stretches of simulated time.
+    """Writes the vehicle's shape at once, and its states in stretches of simulated time.
 
     Attributes:
         frames: Log of the camera frames.
@@ -58,19 +58,29 @@ class StateLog:
         self.tracks = TrackLog(stream)
 
     def on_tick(self, plant: Plant, autopilot: FlightReports | None) -> None:
-        """Sample what is no part of `Plant.history`."""
+        """Sample the quantities that are no part of `Plant.history`.
+
+        Args:
+            plant: Plant after the tick.
+            autopilot: Reports of the flight stack; None if there is none.
+        """
         self._status.on_tick(plant, autopilot)
         self._flow.on_tick(plant)
         if self._traffic is not None:
             self._traffic.on_tick(plant)
 
     def send(self, plant: Plant, history: np.ndarray) -> None:
-        """Write a stretch of `Plant.history`, which goes on the last."""
+        """Write a stretch of history.
+
+        Args:
+            plant: Plant of the vehicle, for its world.
+            history: Rows of `Plant.history`, oldest first, that continue those of the last call.
+        """
         send_history(self._stream, history)
         self._chase.send(plant.world, history)
 
     def flush(self) -> None:
-        """Write the samples."""
+        """Write the buffered samples."""
         self._status.flush()
         self._flow.flush()
         if self._traffic is not None:

@@ -1,4 +1,4 @@
-"""Reports of the autopilot in a recording: mode, armed state, battery, trust in the estimate."""
+"""Reports of the autopilot in a recording: mode, armed state, battery, estimated errors."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 SAMPLE_TICKS = 5
 """Number of ticks of 20 ms between two samples of every gauge."""
 
+# Entity, legend, colour, and the function that reads the value.
 _Gauge = tuple[str, str, tuple[int, int, int], "Callable[[Plant], float]"]
 
 _ACROSS, _UPWARDS = f"{layout.POSITION_SIGMA}/horizontal", f"{layout.POSITION_SIGMA}/vertical"
@@ -35,7 +36,7 @@ _SENSORS_RGB = ((255, 150, 50), (60, 200, 190), (190, 120, 255), (240, 210, 70))
 
 
 def _sensor_gauges() -> Iterator[_Gauge]:
-    """Gauges of the sensors that have something to plot."""
+    """Yield the gauges of the sensors that have something to plot."""
     from flightsim.plant.sensing import SENSORS
 
     found = [(sensor, *sensor.gauge) for sensor in SENSORS if sensor.gauge]
@@ -44,6 +45,7 @@ def _sensor_gauges() -> Iterator[_Gauge]:
             layout.sensor(sensor.setting),
             legend,
             rgb,
+            # Defaults bind the present sensor; a plain closure would read the last one.
             lambda plant, sensor=sensor, value=value: value(plant.sensors.read(sensor)),
         )
 
@@ -68,7 +70,12 @@ class StatusLog:
         stream.log(layout.ARMED, states, static=True)
 
     def on_tick(self, plant: Plant, autopilot: FlightReports | None) -> None:
-        """Sample the vehicle after a tick."""
+        """Sample the vehicle after a tick.
+
+        Args:
+            plant: Plant of the vehicle.
+            autopilot: Reports of the flight stack; None writes no states.
+        """
         time_us = plant.time_us
         if autopilot is not None:
             failsafe = autopilot.failsafe
@@ -87,7 +94,7 @@ class StatusLog:
             return
         time = sim_time(np.array(self._times_us))
         values = np.array(self._samples)
-        # A gap in a plot says "nothing measured"; an infinite value would spoil its axis.
+        # A gap in a plot means "nothing measured". An infinite value would spoil its axis.
         values[~np.isfinite(values)] = math.nan
         self._times_us.clear()
         self._samples.clear()

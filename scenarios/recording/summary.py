@@ -1,4 +1,9 @@
-"""Summary of a recording, read through rerun's own reader."""
+"""Summary of a recording, read through rerun's own reader, also if its run was killed.
+
+A recording may come from anybody, and from a run that ended anyhow. Reading therefore mends a torn
+file in a copy, bounds the size of embedded JSON, and makes control characters visible before a text
+reaches a terminal.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +31,7 @@ PROPERTIES = "/__properties/"
 
 
 class UnreadableRecordingError(ValueError):
-    """A file that is missing or no recording."""
+    """A file is missing or no recording; the message names it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,9 +39,9 @@ class RecordingSummary:
     """Summary of a recording's content."""
 
     recording: str
-    """The file."""
+    """Path of the file."""
     is_complete: bool
-    """False where the run ended without closing the file; it holds all that was written."""
+    """False if the run ended without closing the file, which holds everything up to then."""
     size_bytes: int
     scene: str | None
     vehicle: str | None
@@ -48,23 +53,29 @@ class RecordingSummary:
     verdict: dict[str, Any] | None
     """Figures of the run; None if it never got one."""
     sim_seconds: float
-    """Latest moment in the recording."""
+    """Latest simulated time in the recording."""
     entities: dict[str, int]
-    """Rows of each entity that has a place in time."""
+    """Number of rows of each entity that changes in time."""
     static_entities: int
-    """Entities that never change: scene, models, legends."""
+    """Number of entities that never change: scene, models, legends."""
 
     def to_json(self) -> dict[str, Any]:
-        """The summary as plain data."""
+        """Return the summary as plain data."""
         return asdict(self)
 
 
 @contextmanager
 def readable(path: Path) -> Iterator[Path]:
-    """A file that rerun can read: the recording itself, or a mended copy of a torn one.
+    """Yield a file that rerun can read: the recording itself, or a mended copy of a torn one.
 
     A run that was killed in the middle of a write leaves a file whose last piece is cut off.
-    rerun's reader refuses it as a whole; rerun's own tool keeps everything before.
+    rerun's reader refuses such a file as a whole. rerun's own tool keeps everything before the cut.
+
+    Args:
+        path: File of a recording; it is never changed.
+
+    Yields:
+        The path to read, which is valid inside the context only.
 
     Raises:
         UnreadableRecordingError: If there is no recording in the file.
@@ -83,7 +94,10 @@ def readable(path: Path) -> Iterator[Path]:
 
 
 def summarise(path: Path) -> RecordingSummary:
-    """Read all of a recording.
+    """Read a whole recording, and return its summary.
+
+    Args:
+        path: File of a recording, also of a run that still goes on.
 
     Raises:
         UnreadableRecordingError: If it is missing or no recording.
@@ -104,6 +118,7 @@ def summarise(path: Path) -> RecordingSummary:
             elif layout.TIMELINE in chunk.timeline_names:
                 rows[chunk.entity_path] += chunk.num_rows
                 end_ns = max(end_ns, _latest_ns(chunk))
+        # A mended copy has a footer, but the recording itself had none.
         is_complete = source == path and _has_footer(path)
     return RecordingSummary(
         recording=str(path),
@@ -122,12 +137,21 @@ def summarise(path: Path) -> RecordingSummary:
 
 
 def facts_of(run: Mapping[str, Any], name: str, path: Path) -> dict[str, Any]:
-    """The facts that a property holds as JSON; none where it is missing.
+    """Return the facts that a property of a recording holds as JSON.
+
+    Args:
+        run: Values of the property, by name.
+        name: Name of the value, such as "config".
+        path: File of the recording, for the error.
+
+    Returns:
+        The facts; empty if the value is missing.
 
     Raises:
         UnreadableRecordingError: If they are damaged.
     """
     text = run.get(name, "{}")
+    # `excess` refuses depths and sizes that would exhaust the parser.
     try:
         found = None if excess(str(text).encode()) else json.loads(text)
     except (TypeError, ValueError, RecursionError):
@@ -140,7 +164,7 @@ def facts_of(run: Mapping[str, Any], name: str, path: Path) -> dict[str, Any]:
 
 
 def _tame(value: Any) -> Any:
-    """Facts without what a terminal would obey in their names and texts."""
+    """Return facts whose names and texts have no control characters that a terminal obeys."""
     if isinstance(value, dict):
         return {visible(name): _tame(each) for name, each in value.items()}
     if isinstance(value, list):
@@ -149,13 +173,17 @@ def _tame(value: Any) -> Any:
 
 
 def chunks(path: Path) -> Iterator[Chunk]:
-    """All of a file that rerun can read, piece by piece."""
+    """Yield a recording chunk by chunk, which bounds the memory.
+
+    Args:
+        path: A file that rerun can read; see `readable`.
+    """
     reader, _ = _open(path)
     yield from reader.stream()
 
 
 def _open(path: Path) -> tuple[RrdReader, bool]:
-    """A reader, and whether the file was closed properly, which the reader only warns about."""
+    """Return a reader, and whether the file was closed properly, which it only warns about."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         reader = RrdReader(path)
@@ -175,6 +203,7 @@ def _is_readable(path: Path) -> bool:
 
 
 def _mend(path: Path, copy: Path) -> None:
+    # `optimize` rewrites the file, and leaves out a last chunk that is cut off.
     result = subprocess.run(  # noqa: S603 - arguments are ours
         [str(rerun_program()), "rrd", "optimize", str(path), "-o", str(copy)],
         capture_output=True,
@@ -194,7 +223,16 @@ def _latest_ns(chunk: Chunk) -> int:
 
 
 def first_row(chunk: Chunk) -> dict[str, Any]:
-    """Components of a property, unpacked from their one-element lists; empty ones are absent."""
+    """Return the components of a property by name.
+
+    rerun keeps each value in a list of one element, which is unpacked here.
+
+    Args:
+        chunk: Chunk of the property's entity.
+
+    Returns:
+        Values by component; a component with an empty list is absent.
+    """
     columns = chunk.to_record_batch().to_pydict()
     first = {name: values[0] for name, values in columns.items()}
     return {name: value[0] for name, value in first.items() if isinstance(value, list) and value}

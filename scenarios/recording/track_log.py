@@ -19,14 +19,20 @@ TRACK_RGB = (255, 140, 30)
 
 
 class TrackLog:
-    """Writes predictions of movers as they change."""
+    """Writes the pilot's predictions of movers as boxes and arrows."""
 
     def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
         self._is_empty = True
 
     def log(self, time_us: int, moving: MovingObstacles) -> None:
-        """Write the predictions of movers from a time on."""
+        """Write the predictions of movers from a time on.
+
+        Args:
+            time_us: Simulated time.
+            moving: Predictions at that time; none clears those before.
+        """
+        # The end of a track is written once, not at every look.
         if len(moving) == 0 and self._is_empty:
             return
         set_sim_time(self._stream, time_us)

@@ -1,4 +1,4 @@
-"""Movers in a recording: their shapes once, their poses at every tick of the loop."""
+"""Movers in a recording: shapes once, poses at every tick of the loop."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class TrafficLog:
-    """Gathers the poses of movers, and writes them now and then."""
+    """Gathers the true poses of movers, and writes them at each `flush`."""
 
     def __init__(self, stream: EntityStream) -> None:
         self._stream = stream
@@ -27,12 +27,18 @@ class TrafficLog:
         self._poses: list[np.ndarray] = []
 
     def on_tick(self, plant: Plant) -> None:
-        """Sample the movers after a tick."""
+        """Sample the movers after a tick.
+
+        Args:
+            plant: Plant of the first vehicle; all vehicles share its movers.
+        """
         if not plant.world.obstacles:
             return
+        # The shapes belong to the plant's world, which is known from the first tick on.
         if not self._entities:
             self._log_shapes(plant)
         states = plant.obstacles_true
+        # The meshes have their origin on the ground, the states theirs in the middle.
         ground_m = states.position_enu_m - states.size_m * (0.0, 0.0, 0.5)
         self._times_us.append(plant.time_us)
         self._poses.append(np.column_stack([ground_m, states.yaw_rad]))
@@ -60,6 +66,6 @@ class TrafficLog:
 
 
 def _turned(yaw_rad: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 4"]:
-    """Quaternions wxyz of turns about the vertical."""
+    """Return the quaternions wxyz of turns about the vertical."""
     zero = np.zeros_like(yaw_rad)
     return np.column_stack([np.cos(yaw_rad / 2), zero, zero, np.sin(yaw_rad / 2)])

@@ -1,4 +1,4 @@
-"""The vehicle in a recording: a simple model in its body frame, and where its cameras sit."""
+"""The vehicle in a recording: a simple model in its body frame, and the mounts of its cameras."""
 
 from __future__ import annotations
 
@@ -19,7 +19,14 @@ _REAR_RGBA = (70, 160, 255, 150)
 
 
 def log_vehicle(stream: EntityStream, airframe: Airframe) -> None:
-    """Write fuselage, arms, rotor discs, legs and camera mounts; the pose comes with the flight."""
+    """Write fuselage, arms, rotor discs, legs and camera mounts.
+
+    The pose comes with the flight, so everything is written once, in body FLU.
+
+    Args:
+        stream: Stream of the vehicle.
+        airframe: Vehicle to draw.
+    """
     hubs = np.array([r.position_flu_m for r in airframe.quadrotor.rotors])
     body = rr.Boxes3D(sizes=[airframe.body_size_m], colors=[_BODY_RGB], fill_mode="solid")
     stream.log(layout.FUSELAGE, body, static=True)
@@ -27,6 +34,7 @@ def log_vehicle(stream: EntityStream, airframe: Airframe) -> None:
         centers=hubs,
         radii=airframe.rotor_radius_m,
         lengths=0.01,
+        # Two colours show where the front is; rotors amidships count as rear ones.
         colors=[_FRONT_RGBA if x > 1e-3 else _REAR_RGBA for x in hubs[:, 0]],
         fill_mode="solid",
     )
@@ -34,10 +42,10 @@ def log_vehicle(stream: EntityStream, airframe: Airframe) -> None:
     strips, radii_m = _frame_strips(airframe, hubs)
     bars = rr.LineStrips3D(strips, colors=[_ARM_RGB], radii=radii_m)
     stream.log(layout.FRAME, bars, static=True)
-    # A dot of constant size on the screen: the vehicle is small in a whole scene.
+    # A dot of constant size on the screen, because the vehicle is small in a whole scene.
     marker = rr.Points3D([(0.0, 0.0, 0.0)], colors=_MARKER_RGB, radii=rr.Radius.ui_points(3.0))
     stream.log(layout.MARKER, marker, static=True)
-    # Those that only look for traffic too: a pilot that expects any renders them.
+    # Cameras that only look for traffic too, because a pilot that expects traffic renders them.
     for mount in airframe.cameras:
         turn = mount.rotation_flu_from_optical
         pose = rr.Transform3D(translation=mount.position_flu_m, mat3x3=turn)
@@ -47,7 +55,7 @@ def log_vehicle(stream: EntityStream, airframe: Airframe) -> None:
 def _frame_strips(
     airframe: Airframe, hubs: Float[np.ndarray, "n 3"]
 ) -> tuple[list[np.ndarray], list[float]]:
-    """Axes of the arms and the landing gear as they touch things, and their radii."""
+    """Return axes and radii of the arms and the landing gear, as collisions see them."""
     arms = [np.array([(0.0, 0.0, 0.0), (x, y, 0.0)]) for x, y, _ in hubs]
     axes = (*leg_axes_flu_m(airframe), *skid_axes_flu_m(airframe))
     legs = [np.array(ends) for ends in axes]

@@ -1,4 +1,9 @@
-"""Records one vehicle of a run into its part of the recording."""
+"""The recorder of one vehicle, which writes into the vehicle's part of the recording.
+
+A state log has a row for every control tick, 250 a second. Writing each row at once would be slow
+(see `columns`), so rows are kept as bytes and written once a simulated second. This period is also
+the most that a killed run loses.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +35,7 @@ if TYPE_CHECKING:
 FLUSH_PERIOD_US = 1_000_000
 """Simulated time between two writes of the fast data."""
 SUMMARY_FLUSH_PERIOD_US = 60_000_000
-"""The same in a summary, which each write makes larger by several times what it holds."""
+"""The same in a summary, whose few rows take less room than the overhead of each write."""
 EXECUTED_RGB = (255, 235, 60)
 
 _LEVELS: Mapping[Severity, rr.TextLogLevel] = {
@@ -65,11 +70,11 @@ class VehicleRecorder:
         """Write the vehicle.
 
         Args:
-            stream: Its part of the recording.
-            scene: Where it flies.
-            airframe: What it is.
-            is_summary: Whether there are to be no states.
-            has_traffic: Whether to write the movers of the world too.
+            stream: Part of the recording that belongs to the vehicle.
+            scene: Scene of the flight.
+            airframe: Airframe of the vehicle.
+            is_summary: True leaves out all states.
+            has_traffic: True writes the movers of the world too.
         """
         self._stream = stream
         self._plant: Plant | None = None
@@ -85,8 +90,13 @@ class VehicleRecorder:
             self.states = StateLog(stream, scene, airframe, has_traffic=has_traffic)
 
     def on_tick(self, plant: Plant, autopilot: FlightReports | None = None) -> None:
-        """Record the last 20 ms; without an autopilot there are no modes to show."""
-        # Bytes: numpy copies and joins records of many fields one field at a time.
+        """Record the last 20 ms.
+
+        Args:
+            plant: Plant after the tick.
+            autopilot: Reports of the flight stack; without one no modes are shown.
+        """
+        # As bytes, because numpy copies and joins records of many fields one field at a time.
         self._history.append(plant.history.tobytes())
         self._plant = plant
         if self.states is not None:
@@ -96,7 +106,7 @@ class VehicleRecorder:
             self.flush()
 
     def flush(self) -> None:
-        """Write all buffered data."""
+        """Write all buffered data, without waiting for the file."""
         if self._plant is not None and self._history:
             history = np.frombuffer(b"".join(self._history), self._plant.history.dtype)
             self._history.clear()
@@ -107,33 +117,56 @@ class VehicleRecorder:
             self.states.flush()
 
     def log_frame(self, frame: RgbdFrame, *, has_colour: bool = True) -> None:
-        """Write a camera frame, or its depth alone; a summary takes none."""
+        """Write a camera frame at its own time; a summary takes none.
+
+        Args:
+            frame: Frame of a camera.
+            has_colour: False writes the depth alone.
+        """
         if self.states is not None:
             set_sim_time(self._stream, frame.time_us)
             self.states.frames.log(frame, has_colour=has_colour)
 
     def log_scan(self, scan: LidarScan) -> None:
-        """Write a scan of the lidar; a summary takes none."""
+        """Write a scan of the lidar at its own time; a summary takes none."""
         if self.states is not None:
             set_sim_time(self._stream, scan.time_us)
             log_scan(self._stream, scan)
 
     def log_phase(self, time_us: int, phase: str) -> None:
-        """Write the phase of the pilot from this time on."""
+        """Write the phase of the pilot, which holds from this time on.
+
+        Args:
+            time_us: Simulated time of the change.
+            phase: Name of the phase.
+        """
         set_sim_time(self._stream, time_us)
         self._stream.log(layout.PHASE, rr.StateChange(state=phase))
 
     def log_statustext(self, time_us: int, severity: Severity, text: str) -> None:
-        """Write a message of the autopilot or the pilot."""
+        """Write a message of the autopilot or the pilot.
+
+        Args:
+            time_us: Simulated time of the message.
+            severity: Severity by MAVLink's scale, which becomes a log level of rerun's.
+            text: Message.
+        """
         set_sim_time(self._stream, time_us)
         self._stream.log(layout.STATUSTEXT, rr.TextLog(text, level=_LEVELS[severity]))
 
     def conclude(self, verdict: Mapping[str, Any]) -> None:
-        """Write buffered data and the contacts of the flight."""
+        """Write buffered data and the contacts of the flight.
+
+        Args:
+            verdict: Figures of the flight; "contacts" may be missing.
+        """
         self.flush()
         log_contacts(self._stream, verdict.get("contacts", ()))
 
     def log_verdict(self, verdict: Mapping[str, Any]) -> None:
-        """Write the figures of the flight of another vehicle than the first."""
+        """Write the figures of a vehicle after the first.
+
+        The first one's are a property of the recording, see `metadata.log_verdict`.
+        """
         figures = rr.AnyValues(figures=json.dumps(verdict, sort_keys=True))
         self._stream.log(layout.VERDICT, figures, static=True)

@@ -1,4 +1,8 @@
-"""rerun's viewer, live or on a file: a child process that listens on loopback only."""
+"""rerun's viewer, live or on a file, as a child process that listens on loopback only.
+
+The child has a process group of its own, so that it can be ended with everything that it started.
+A page goes through `viewer_page.PageServer`, because rerun's own page would call other machines.
+"""
 
 from __future__ import annotations
 
@@ -60,11 +64,13 @@ class Viewer:
                 self._open_window(stack, source)
             else:
                 self._serve_page(stack, source)
+            # Only now: a start that fails halfway has closed what it opened.
             self._stack = stack.pop_all()
 
     def _open_window(self, stack: ExitStack, source: str | Path) -> None:
         if not has_display():
             raise ViewerError("viewer 'native' needs a display and there is none; valid: web")
+        # Not the preferred port itself, on which the live recording may be served.
         port = free_port(DATA_PORT + 1)
         connect = ["--connect", source] if isinstance(source, str) else [str(source)]
         self._process = _RerunProcess(["--bind", LOOPBACK, "--port", str(port), *connect])
@@ -72,6 +78,7 @@ class Viewer:
         self._process.wait_for_port(port)
 
     def _serve_page(self, stack: ExitStack, source: str | Path) -> None:
+        # rerun serves its page on a port that nobody is told of; ours passes it on.
         upstream_port = free_port(0)
         arguments = ["--serve-web", "--bind", LOOPBACK, "--web-viewer-port", str(upstream_port)]
         if isinstance(source, str):
@@ -90,12 +97,12 @@ class Viewer:
         _log.info("watch at %s", self.url)
 
     def wait(self) -> None:
-        """Block until the user closes the window, or the page that somebody had open."""
+        """Block until the user closes the window, or the page after having opened it."""
         while not self._process.has_ended(_LOOK_S) and not (self._page and self._page.is_left):
             pass
 
     def close(self) -> None:
-        """End the viewer."""
+        """End the viewer and its processes."""
         self._stack.close()
 
     def __enter__(self) -> Self:
@@ -109,6 +116,7 @@ class _RerunProcess:
     """The `rerun` program in a process group of its own."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
+        # A file, because a pipe that nobody reads would fill up and block the viewer.
         self._output = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the process
         self._process = subprocess.Popen(  # noqa: S603 - arguments are ours
             [str(rerun_program()), *arguments],
@@ -122,6 +130,9 @@ class _RerunProcess:
     def wait_for_port(self, port: int) -> None:
         """Return when the viewer listens.
 
+        Args:
+            port: Port on loopback that it was asked to use.
+
         Raises:
             ViewerError: With the viewer's last words, if it ends instead.
         """
@@ -132,7 +143,7 @@ class _RerunProcess:
             time.sleep(0.05)
 
     def has_ended(self, timeout_s: float) -> bool:
-        """Wait a while for the process to end; return whether it did."""
+        """Wait up to a time for the process to end, and return true if it did."""
         try:
             self._process.wait(timeout_s)
         except subprocess.TimeoutExpired:
@@ -140,10 +151,11 @@ class _RerunProcess:
         return True
 
     def close(self) -> None:
-        """End the whole group."""
+        """End the whole process group, first by SIGTERM and then by SIGKILL."""
         for ending in (signal.SIGTERM, signal.SIGKILL):
             try:
                 os.killpg(self._process.pid, ending)
+            # macOS reports a missing permission for a group whose processes have all ended.
             except (ProcessLookupError, PermissionError):
                 break
             try:
@@ -160,14 +172,21 @@ class _RerunProcess:
 
 
 def has_display() -> bool:
-    """Whether a window can be opened."""
+    """Return true if a window can be opened: on Linux, if X11 or Wayland has a display."""
     if sys.platform != "linux":
         return True
     return any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
 def free_port(preferred: int) -> int:
-    """The preferred loopback TCP port if nothing is there, else one that is free; 0 for any."""
+    """Return the preferred TCP port on loopback if it is free, else another one.
+
+    Args:
+        preferred: Port to try first; 0 lets the system choose.
+
+    Raises:
+        ViewerError: If no port is free.
+    """
     for port in (preferred, 0):
         with socket.socket() as probe:
             # A port that was just released may linger harmlessly.

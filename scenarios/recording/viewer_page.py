@@ -1,11 +1,11 @@
 """The web viewer's page, passed on from rerun's own server with a policy that keeps it local.
 
-rerun's page fetches fonts, looks for new versions and reports its use to servers elsewhere, and
-has no switch against it. A content security policy in the response makes the browser refuse: the
-page reaches this machine only.
+rerun's page fetches fonts, looks for new versions and reports its use to servers elsewhere, and it
+has no switch against that. A content security policy in the response makes the browser refuse, so
+that the page reaches this machine only.
 
-A line in the page keeps a connection open for as long as the page is, so that it is known when its
-reader has left.
+A script in the page keeps a connection open for as long as the page is open. When the connection
+breaks, we know that the reader has left.
 """
 
 from __future__ import annotations
@@ -29,7 +29,11 @@ _RELOAD_S = 3.0
 
 
 def content_policy(data_port: int) -> str:
-    """A policy under which the page may load from its own server and stream from one port."""
+    """Return a policy under which the page may only load from its server and stream from a port.
+
+    Args:
+        data_port: Loopback port of the recording.
+    """
     return "; ".join(
         (
             "default-src 'self' data: blob:",
@@ -41,7 +45,7 @@ def content_policy(data_port: int) -> str:
 
 
 class PageServer:
-    """Serves the page on a loopback port, in a thread that waits unless a browser asks.
+    """Serves the page on a loopback port, in a thread that sleeps unless a browser asks.
 
     Attributes:
         port: Port of the page.
@@ -68,7 +72,7 @@ class PageServer:
 
     @property
     def is_left(self) -> bool:
-        """Whether the page was open in some browser and is open in none any more."""
+        """True if the page was open in some browser, and is not open in any now."""
         left_s = self._last_left_s
         return not self._readers and left_s is not None and time.monotonic() > left_s + _RELOAD_S
 
@@ -78,6 +82,8 @@ class PageServer:
         self._readers.add(reader)
         try:
             while True:
+                # A comment line of the event stream, which browsers ignore. Writing is the only
+                # way to notice that the other end has gone.
                 page.write(b": still here\n\n")
                 time.sleep(_PULSE_S)
         except OSError:
@@ -121,6 +127,7 @@ def _handler(
                 self.send_error(502, "the viewer has ended")
                 return
             if path == "/":
+                # The length changes with it, so the header below is our own.
                 content = content.replace(b"</body>", _READER_SCRIPT + b"</body>")
             self.send_response(response.status)
             for name in _PASSED_HEADERS:

@@ -1,4 +1,7 @@
-"""Topics of a vehicle's cameras, which look only while somebody subscribes."""
+"""Topics of a vehicle's cameras, which render only while somebody subscribes.
+
+Rendering is by far the most expensive part of the door. A camera nobody listens to costs nothing.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,7 @@ _KINDS = {"rgb": "rgb8", "depth": "16UC1", "classes": "mono8", "instances": "mon
 
 
 class CameraTopics:
-    """Publishes what one camera sees."""
+    """Publishes the images, the lens and the depth points of one camera."""
 
     def __init__(
         self,
@@ -39,9 +42,9 @@ class CameraTopics:
             topics: Topics of the vehicle.
             plant: The vehicle.
             camera: Name of the camera.
-            render: Renders the present frame of a camera.
-            rate_hz: Frames in a simulated second.
-            has_segments: Whether frames have objects and classes.
+            render: Function that renders the present frame of a camera by name.
+            rate_hz: Frames in a simulated second, greater than 0.
+            has_segments: True if frames have objects and classes, which then get topics too.
         """
         self._ros, self._plant, self._camera, self._render = topics.ros, plant, camera, render
         self._period_us = round(1e6 / rate_hz)
@@ -57,7 +60,11 @@ class CameraTopics:
         self._points = topics.publisher(f"{stem}/depth/points", "sensor_msgs/PointCloud2", SENSOR)
 
     def on_tick(self) -> None:
-        """Look if a frame is due and anybody wants it, at the times at which recordings look."""
+        """Render and publish if a frame is due and anybody listens.
+
+        Frames are due at the same times as in a recording, so that both have the same images.
+        """
+        # The first tick at or after each multiple of the period; ticks are 20 ms apart.
         if self._plant.time_us % self._period_us >= TICK_US:
             return
         if any(each.is_heard for each in (*self._images.values(), *self._infos, self._points)):
@@ -69,6 +76,7 @@ class CameraTopics:
         lens = (float(frame.fx), float(frame.fy), float(frame.cx), float(frame.cy))
         height, width = frame.depth_m.shape
         for kind, publisher in self._images.items():
+            # Images are large: one that nobody hears is not even encoded.
             if publisher.is_heard:
                 publisher.send(image(ros, header, _pixels(frame, kind), _KINDS[kind]))
         for publisher in self._infos:
@@ -77,12 +85,12 @@ class CameraTopics:
 
 
 def _pixels(frame: RgbdFrame, kind: str) -> np.ndarray:
-    """Pixels of a kind of image, in the numbers that recordings have."""
+    """Return the pixels of a kind of image, in the same numbers as in recordings."""
     if kind == "rgb":
         return frame.rgb
     if kind == "depth":
         return depth_to_uint16(frame.depth_m)
     assert frame.class_ids is not None
     assert frame.instance_ids is not None
-    # Ids below zero take the numbers from the top down.
+    # Negative ids wrap around in unsigned numbers: -1 becomes 65535.
     return frame.class_ids if kind == "classes" else frame.instance_ids.astype(np.uint16)

@@ -1,4 +1,4 @@
-"""Messages of points."""
+"""Messages of point clouds."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 from scenarios.ros2.messages import RosMessages
 
 _FLOAT32 = 7
-"""Number of the type in sensor_msgs/PointField."""
-_POINT_BYTES = 12
+"""Number of the type float32 in sensor_msgs/PointField."""
+_POINT_BYTES = 12  # three times float32
 
 
 def cloud(ros: RosMessages, header: Any, points_m: np.ndarray, *, is_dense: bool = True) -> Any:
-    """Points (n, 3), or (height, width, 3) as an image has them, as x, y, z in float32.
+    """Return a sensor_msgs/PointCloud2 with x, y and z in float32.
 
     Args:
-        ros: Makes the message.
-        header: Time, and frame of the points.
-        points_m: The points.
-        is_dense: Whether all of them are finite.
+        ros: Maker of messages.
+        header: Time and frame of the points.
+        points_m: Points of shape (n, 3), or (height, width, 3) in the order of an image.
+        is_dense: True if all points are finite.
     """
     height, width = (1, len(points_m)) if points_m.ndim == 2 else points_m.shape[:2]
     fields = [

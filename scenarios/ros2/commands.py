@@ -1,7 +1,9 @@
-"""Commands that nodes send to a vehicle, passed on by MAVLink as any companion's.
+"""Commands that nodes send to a vehicle, passed on by MAVLink like those of any companion.
 
-A stream of setpoints takes the vehicle into OFFBOARD once, when it begins. Whatever changes the
-mode after that, such as a failsafe or a pilot, is left alone.
+Commands take the way of a real companion computer, because a door of its own into the autopilot
+would skip the checks and failsafes that users want to test. A stream of set points takes the
+vehicle into OFFBOARD once, when it begins. If a failsafe or a pilot changes the mode afterwards,
+the door does not take it back.
 """
 
 from __future__ import annotations
@@ -19,9 +21,9 @@ from scenarios.ros2.transport import STATE, Inlet, Kind, Service, Transport
 
 _LOG = logging.getLogger(__name__)
 _STREAM_GAP_US = 500_000
-"""A stream of setpoints that pauses for longer has ended: as long as PX4 asks 2 Hz of one."""
-_RETRY_US = 200_000
-# Of std_srvs/srv/SetBool and Trigger; tests compute them with another library.
+"""Pause after which a stream of set points has ended. PX4 asks for at least 2 Hz."""
+_RETRY_US = 200_000  # between two requests for OFFBOARD
+# Hashes of std_srvs/srv/SetBool and Trigger; tests compute them with another library.
 SET_BOOL = Kind(
     name="std_srvs/srv/SetBool",
     type_hash="RIHS01_abe9e4bb6b41b40e6789712c00ec8871923e089af3f667a79992a428cff2da0a",
@@ -45,11 +47,13 @@ class Commands:
 
         Args:
             topics: Topics of the vehicle.
-            transport: Where they come from.
-            connect: Connects a companion to the vehicle, with the first command.
+            transport: Transport that the commands come by.
+            connect: Function that connects a companion to the vehicle. It is called with the first
+                command, so that nodes which only watch add no companion.
         """
         self._ros, self._connect = topics.ros, connect
         self._client: MavlinkClient | None = None
+        # Frames of set points, and whether they turn with the heading. No frame means the body's.
         self._frames = {topics.frame(BASE): True, MAP: False, topics.frame(ODOM): False, "": True}
         self._inlets: list[tuple[Inlet, str, Callable[[Any], object]]] = [
             (transport.inlet(topics.name(topic), topics.kind(kind), STATE), kind, act)
@@ -79,7 +83,11 @@ class Commands:
         self._warned: set[str] = set()
 
     def on_tick(self, time_us: int) -> None:
-        """Pass on what has come; nothing that comes can end the flight."""
+        """Pass on the commands that have arrived; no message can end the flight.
+
+        Args:
+            time_us: Simulated time after the tick.
+        """
         for inlet, kind, act in self._inlets:
             for data in inlet.take():
                 self._guard(kind, data, act)
@@ -93,18 +101,19 @@ class Commands:
         for command, answer in self._waiting:
             if command.is_done:
                 answer(command.is_accepted, command.outcome())
+        # Commands that the autopilot has not acknowledged yet stay for later ticks.
         self._waiting = [each for each in self._waiting if not each[0].is_done]
 
     @property
     def client(self) -> MavlinkClient:
-        """The companion, connected with the first command."""
+        """The companion, which is connected at the first use."""
         if self._client is None:
             self._client = self._connect()
             self._client.request_streams()
         return self._client
 
     def _guard(self, kind: str, data: bytes, act: Callable[[Any], Any]) -> Any:
-        """Decode and act; bytes that are no such message are dropped, and reported once."""
+        """Decode a message and act on it; malformed bytes are dropped and reported once."""
         try:
             message = self._ros.decode(data, kind)
         except Exception as error:  # noqa: BLE001  # the library raises what the bytes lead it to
@@ -124,7 +133,7 @@ class Commands:
             self._waiting.append((command, answer))
 
     def _arm(self, *, is_armed: bool) -> Command:
-        self._stream.is_released = False
+        self._stream.is_released = False  # Arming begins a new flight.
         return self.client.arm() if is_armed else self.client.disarm()
 
     def _land(self) -> Command:
@@ -132,7 +141,7 @@ class Commands:
         return self.client.set_mode(self.client.habits.land_here)
 
     def _on_twist(self, message: Any) -> None:
-        """A velocity and a yaw rate, in the level frame of the heading or in the world's."""
+        """Follow a velocity and a yaw rate, in the level frame of the heading or in the world."""
         frame = message.header.frame_id
         is_of_body = self._frames.get(frame)
         linear, yaw_rate = message.twist.linear, message.twist.angular.z
@@ -149,8 +158,9 @@ class Commands:
         self._follow(lambda: self.client.send_velocity(velocity, yaw_rate))
 
     def _on_points(self, message: Any) -> None:
-        """The first point of a trajectory: a place in the world, with what is known beside it."""
+        """Follow the first point of a trajectory: a position with optional derivatives."""
         frame = message.header.frame_id
+        # Positions have no meaning in a frame that moves with the body.
         if self._frames.get(frame, True) and frame:
             self._warn(f"trajectory in frame {frame!r} is dropped; valid: {MAP}, {ODOM}")
             return
@@ -161,39 +171,46 @@ class Commands:
         self._follow(lambda: self.client.send_setpoint(reference))
 
     def _follow(self, send: Callable[[], None]) -> None:
-        """Pass a setpoint on, unless the vehicle was told to land."""
+        """Pass a set point on, unless the vehicle was told to land."""
         if self._stream.is_released:
             self._warn("setpoints are dropped after land, until the vehicle is told to arm")
             return
-        _ = self.client
+        _ = self.client  # connects, if this is the first command
         self._stream.setpoint = send
 
     def _warn(self, line: str) -> None:
+        # Bounded, since lines quote names from messages and could be new ones for ever.
         if line not in self._warned and len(self._warned) < 100:
             self._warned.add(line)
             _LOG.warning("ROS 2: %s", line)
 
 
 class _Stream:
-    """A stream of setpoints, and the change of mode with which it begins."""
+    """A stream of set points, and the change of mode with which it begins."""
 
     def __init__(self) -> None:
         self.setpoint: Callable[[], None] | None = None
-        """Sends the setpoint that has come since the last tick."""
+        """Function that sends the newest set point; None if none came since the last tick."""
         self.is_released = False
-        """Whether the vehicle was told to land, so that setpoints mean nothing."""
+        """True after a command to land, so that further set points are dropped."""
         self._last_us = -_STREAM_GAP_US - 1
         self._has_mode = False
         self._asked: Command | None = None
         self._asked_us = 0
 
     def on_tick(self, time_us: int, client: MavlinkClient) -> None:
-        """Send the newest setpoint, and ask for OFFBOARD until it is granted once."""
+        """Send the newest set point, and ask for OFFBOARD until it is granted once.
+
+        Args:
+            time_us: Simulated time after the tick.
+            client: Companion of the vehicle.
+        """
         if self.setpoint is None or not client.telemetry.has_state:
             return
         if time_us - self._last_us > _STREAM_GAP_US:
             self._has_mode, self._asked = False, None
         self._last_us = time_us
+        # The set point comes before the request, since OFFBOARD is refused without a stream.
         self.setpoint()
         self.setpoint = None
         if self._asked is not None and self._asked.is_done:
@@ -204,14 +221,14 @@ class _Stream:
 
 
 def _turned(vector_flu: Vector3, yaw_rad: float) -> Vector3:
-    """A vector of the level frame of the heading in the world."""
+    """Return a vector of the level frame of the heading in the world's frame."""
     x, y, z = vector_flu
     sin, cos = math.sin(yaw_rad), math.cos(yaw_rad)
     return (x * cos - y * sin, x * sin + y * cos, z)
 
 
 def _reference(message: Any) -> FlatReference | None:
-    """The first point of a trajectory; None if there is none that is finite."""
+    """Return the first point of a trajectory, None if there is no finite one."""
     if not message.points or not message.points[0].transforms:
         return None
     point = message.points[0]

@@ -1,6 +1,9 @@
-"""Topics and services over DDS as the default installations of ROS 2 speak it, by Cyclone DDS.
+"""Topics and services over DDS, which ROS 2's default installations speak, by Cyclone DDS.
 
-Samples are CDR already, and pass Cyclone's Python types as they are.
+ROS 2 adds conventions to DDS: names of topics and types, and for services a header with the caller.
+This module follows them. Samples arrive here as bytes of CDR already, encoded by rosbags, so they
+pass Cyclone's Python types as they are. Encoding each message by Cyclone's own Python code would be
+a second definition of every type.
 """
 
 from __future__ import annotations
@@ -32,7 +35,7 @@ _MOST_AT_ONCE = 100
 _HEADER_BYTES = 4
 """Bytes in front of CDR that name its encoding."""
 _CALLER = struct.Struct("<Qq")
-"""What rmw_cyclonedds_cpp has between that header and a request or a reply: client, number."""
+"""Client and number of a request, which rmw_cyclonedds_cpp puts behind that header."""
 _CONFIG = """
 <CycloneDDS><Domain Id="any">
   <General>
@@ -47,24 +50,25 @@ _CONFIG = """
   <Tracing><Verbosity>none</Verbosity></Tracing>
 </Domain></CycloneDDS>
 """
-"""Discovery by multicast, and by asking this machine, as nodes with
-ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST have no multicast."""
+"""Settings of Cyclone DDS. Discovery is by multicast and also by asking this machine, because nodes
+with ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST have no multicast."""
 _LOOPBACK, _ANY = "127.0.0.1", "0.0.0.0"  # noqa: S104  # compared with, not bound to
 
 
 class DdsTransport:
-    """A participant in a DDS domain."""
+    """Transport over DDS: a participant in a domain."""
 
     def __init__(self, domain: int, address: str, definitions: Definitions) -> None:
         """Join a domain.
 
         Args:
-            domain: Its number, as in ROS_DOMAIN_ID.
+            domain: Number of the domain, as in ROS_DOMAIN_ID.
             address: Address of the interface to use; 0.0.0.0 leaves the choice to Cyclone DDS.
-            definitions: Definitions of the messages.
+            definitions: Definitions of the messages, from which types are made.
 
         Raises:
-            TransportError: If the library is not installed, or refuses.
+            TransportError: If the library is not installed or of another version, or if it refuses
+                the domain or the address.
         """
         try:
             from cyclonedds.core import DDSException
@@ -76,6 +80,7 @@ class DdsTransport:
         require_known_version()
         self._endpoints: list[Any] = []
         self._types = IdlTypes(definitions)
+        # Cyclone has no list of its sockets; they are those that appear meanwhile.
         before = open_sockets()
         try:
             self._domain = Domain(domain, _config(address))
@@ -88,15 +93,16 @@ class DdsTransport:
             _keep_to_loopback(open_sockets() - before)
 
     def outlet(self, topic: str, kind: Kind, qos: Qos) -> Outlet:
-        """Offer a topic."""
+        """Offer a topic; see `Transport.outlet`."""
+        # ROS 2 puts "rt" before topics, "rq" and "rr" before requests and replies.
         return self._writer(f"rt{topic}", self._types.message(kind.name), qos, kind.type_hash)
 
     def inlet(self, topic: str, kind: Kind, qos: Qos) -> Inlet:
-        """Subscribe to a topic."""
+        """Subscribe to a topic; see `Transport.inlet`."""
         return self._reader(f"rt{topic}", self._types.message(kind.name), qos, kind.type_hash)
 
     def service(self, name: str, kind: Kind) -> Service:
-        """Offer a service, as rmw_cyclonedds_cpp calls it."""
+        """Offer a service as rmw_cyclonedds_cpp calls it; clients of other rmws cannot call it."""
         request = self._types.half(kind.name, "Request")
         response = self._types.half(kind.name, "Response")
         requests = self._reader(f"rq{name}Request", request, STATE, "")
@@ -124,7 +130,8 @@ class DdsTransport:
         return _DdsInlet(reader)
 
     def close(self) -> None:
-        """Leave the domain: an entity ends with its last reference, or when it is told to."""
+        """Leave the domain, and free its sockets."""
+        # Cyclone's binding ends an entity in its destructor, which may come late on its own.
         for entity in (*self._endpoints, self._participant, self._domain):
             entity.__del__()
         self._endpoints.clear()
@@ -143,11 +150,11 @@ class _DdsOutlet:
 
     @property
     def is_heard(self) -> bool:
-        """Whether anybody subscribes."""
+        """True if anybody subscribes, as of a tenth of a second ago at most."""
         return self._is_matched()
 
     def send(self, data: bytes) -> None:
-        """Publish a message; it is lost where a reader is so slow that it would have to wait."""
+        """Publish a message; it is lost if a slow reader would make it wait."""
         from cyclonedds.core import DDSException
 
         try:
@@ -161,20 +168,21 @@ class _DdsInlet:
     _reader: Any
 
     def take(self) -> Sequence[bytes]:
-        """Messages that have come; what says that a writer has gone is none."""
+        """Return the messages that have arrived since the last call."""
         taken = self._reader.take(_MOST_AT_ONCE)
+        # Samples without bytes only say that a writer has gone.
         return [each.cdr for each in taken if hasattr(each, "cdr")]
 
 
 @dataclass(frozen=True, slots=True)
 class _DdsService:
-    """Requests and replies with the client's number in front, as rmw_cyclonedds_cpp has them."""
+    """Requests and replies with the caller in front, in the form of rmw_cyclonedds_cpp."""
 
     _requests: _DdsInlet
     _replies: _DdsOutlet
 
     def take(self) -> Sequence[Request]:
-        """Requests that have come since the last call."""
+        """Return the requests that have arrived since the last call."""
         start = _HEADER_BYTES + _CALLER.size
         return [
             Request(
@@ -190,7 +198,7 @@ class _DdsService:
 
 
 def _dds_qos(qos: Qos, type_hash: str) -> Any:
-    """The policies of a profile; no writer waits for a slow reader."""
+    """Return the DDS policies of a profile; no writer waits for a slow reader."""
     from cyclonedds.core import Policy
     from cyclonedds.qos import Qos as Policies
 
@@ -201,12 +209,13 @@ def _dds_qos(qos: Qos, type_hash: str) -> Any:
         durability.TransientLocal if qos.is_latched else durability.Volatile,
         Policy.History.KeepLast(qos.depth),
         Policy.DataRepresentation(use_cdrv0_representation=True),
+        # Where ROS 2 since Iron looks for the hash of a topic's type.
         *([Policy.Userdata(f"typehash={type_hash};".encode())] if type_hash else []),
     )
 
 
 def _config(address: str) -> str:
-    """Configuration of Cyclone DDS for an address."""
+    """Return the configuration of Cyclone DDS for an address."""
     if address == _ANY:
         return _CONFIG.format(
             interface='<NetworkInterface autodetermine="true"/>', multicast="true"

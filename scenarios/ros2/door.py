@@ -1,4 +1,9 @@
-"""The door to ROS 2 of one run: opens a transport, and publishes every vehicle on it."""
+"""The door to ROS 2 of one run, which opens a transport and publishes every vehicle on it.
+
+The door is a set of observers of the simulation loop. They run after each tick, poll commands and
+publish states in the same thread. A flight is therefore the same with the door and without it, as
+long as no node commands, and no node can delay it.
+"""
 
 from __future__ import annotations
 
@@ -27,17 +32,22 @@ TransportName = Literal["dds", "zenoh"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Guest:
-    """A vehicle of the run, as the door needs it."""
+    """A vehicle of the run, with the functions that the door needs."""
 
     vehicle: Vehicle
     render: Callable[[str], RgbdFrame]
-    """Renders the present frame of a camera; opens the cameras when first called."""
+    """Function that renders the present frame of a camera; the first call opens the cameras."""
     connect: Callable[[], MavlinkClient] | None
-    """Connects a companion; None where a pilot of this process flies, which ROS only watches."""
+    """Function that connects a companion; None if a pilot of this process flies, whom nodes only
+    watch."""
 
 
 class Ros2Door:
-    """Publishes a run, and passes commands on; its `observers` follow each tick."""
+    """Publishes a run and passes commands on.
+
+    Attributes:
+        observers: Functions to call after each tick, in order.
+    """
 
     def __init__(
         self,
@@ -52,11 +62,11 @@ class Ros2Door:
         """Join a domain.
 
         Args:
-            guests: The vehicles; the first has no namespace.
-            transport: What the messages go by.
+            guests: Vehicles of the run; the first one has no namespace.
+            transport: Name of the transport.
             domain: Number of the domain, as in ROS_DOMAIN_ID.
             address: Address to listen on; 127.0.0.1 keeps everything on this machine.
-            instance: Shifts the port of the zenoh router.
+            instance: Number that is added to the port of the Zenoh router.
             camera_hz: Frames of each camera in a simulated second; 0 offers no cameras.
 
         Raises:
@@ -68,6 +78,7 @@ class Ros2Door:
         except (RosMissingError, TransportError) as error:
             raise TestbenchError(f"ros2 {error}") from None
         self.observers: list[Observer] = []
+        # A door that fails halfway must leave the domain, or its topics would stay announced.
         try:
             self._announce(guests, ros, camera_hz)
         except BaseException:
@@ -75,10 +86,11 @@ class Ros2Door:
             raise
 
     def _announce(self, guests: Sequence[Guest], ros: RosMessages, camera_hz: float) -> None:
-        """Offer every topic and service, and publish what is fixed."""
+        """Offer every topic and service, and publish fixed transforms and areas."""
         parts: list[tuple[Topics, Guest]] = []
         for guest in guests:
             number = guest.vehicle.plant.world.number
+            # Without a namespace for the first, one vehicle looks as nodes usually expect it.
             prefix = f"{vehicle_name(number)}/" if number else ""
             parts.append((Topics(self._transport, ros, prefix), guest))
         for topics, guest in parts:
@@ -131,7 +143,7 @@ def _scan_listener(topics: Topics) -> Callable[[LidarScan], None]:
 def _open(
     name: TransportName, domain: int, address: str, instance: int, ros: RosMessages
 ) -> Transport:
-    """Open a transport; only its own library is loaded."""
+    """Open a transport, and load only its own library."""
     if name == "zenoh":
         from scenarios.ros2.zenoh_transport import ZenohTransport
 

@@ -1,4 +1,4 @@
-"""Topics of what never changes: fixed transforms and landing areas."""
+"""Topics that never change: fixed transforms and landing areas."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from scenarios.ros2.transport import LATCHED
 
 
 def announce(parts: Sequence[tuple[Topics, Airframe]], scene: Scene) -> None:
-    """Publish what is fixed, once: who subscribes late still gets it.
+    """Publish fixed transforms and landing areas once; late subscribers still get them.
 
     Args:
         parts: Topics and airframe of each vehicle.
-        scene: The scene.
+        scene: Scene whose areas are published as markers.
     """
     first, _ = parts[0]
     ros = first.ros
     placed = []
     for topics, airframe in parts:
+        # The estimate does not jump, so `map` and `odom` are the same place.
         origin = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
         placed.append((ros.header(0, MAP), topics.frame(ODOM), *origin))
         header = ros.header(0, topics.frame(BASE))
@@ -37,12 +38,13 @@ def announce(parts: Sequence[tuple[Topics, Airframe]], scene: Scene) -> None:
             )
             for mount in airframe.rgbd_cameras
         ]
+    # One message for all vehicles: only the last message is kept for late subscribers.
     first.publisher("/tf_static", "tf2_msgs/TFMessage", LATCHED).send(ros.transforms(*placed))
     markers = area_markers(ros, ros.header(0, MAP), scene.interaction_areas)
     first.publisher("/landing_areas", "visualization_msgs/MarkerArray", LATCHED).send(markers)
 
 
 def _wxyz(mount: CameraMount) -> Sequence[float]:
-    """Rotation of a camera's optical frame in the body."""
+    """Return the rotation of a camera's optical frame in the body, w first."""
     turn = Rotation.from_matrix(mount.rotation_flu_from_optical)
     return turn.as_quat(scalar_first=True).tolist()

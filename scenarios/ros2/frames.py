@@ -1,17 +1,22 @@
-"""Names of the frames of REP 103 and REP 105, and of the topics that carry them."""
+"""Names of the coordinate frames, after REP 103 and REP 105."""
 
 from __future__ import annotations
 
 MAP = "map"
-"""World: east, north, up."""
+"""World frame: east, north, up."""
 ODOM = "odom"
-"""Where the estimate counts from; here the same as `MAP`, since the estimate does not jump."""
+"""Origin of the estimate; here the same as `MAP`, because the estimate does not jump."""
 BASE = "base_link"
-"""Body by its estimated pose: forward, left, up."""
+"""Body frame at the estimated pose: forward, left, up."""
 TRUE_BASE = "base_link_true"
-"""Body by its true pose."""
+"""Body frame at the true pose, which a real vehicle would not know."""
 
 
 def optical(camera: str, prefix: str = "") -> str:
-    """Frame of a camera: right, down, forward (REP 103)."""
+    """Return the optical frame of a camera: right, down, forward (REP 103).
+
+    Args:
+        camera: Name of the camera.
+        prefix: Prefix of the vehicle's frames, such as `vehicle_2/`; empty for the first.
+    """
     return f"{prefix}camera_{camera}_optical"

@@ -1,6 +1,8 @@
-"""Types of ROS 2 for Cyclone DDS, made of the definitions that rosbags has.
+"""Types of ROS 2 for Cyclone DDS, made from the definitions that rosbags has.
 
-Cyclone checks what it receives against them. What it sends and what we take of it are bytes of CDR.
+Cyclone DDS needs a Python class for each type. Classes are made from rosbags' definitions, so that
+no type is written down twice. Cyclone checks received samples against them, but both directions
+pass bytes of CDR, which rosbags encodes and decodes.
 """
 
 from __future__ import annotations
@@ -11,22 +13,31 @@ from typing import Any
 Definitions = Mapping[str, Any]
 """Definition of each type by its name, as `Typestore.fielddefs`: constants, and fields."""
 _CALLER = {"client": "uint64", "number": "int64"}
-"""What rmw_cyclonedds_cpp has in front of a request and of a reply."""
+"""Fields that rmw_cyclonedds_cpp puts before a request and before a reply."""
 
 
 class IdlTypes:
-    """Makes the types, each once."""
+    """Makes the types of Cyclone DDS, each once."""
 
     def __init__(self, definitions: Definitions) -> None:
         self._definitions = definitions
         self._made: dict[str, type] = {}
 
     def message(self, name: str) -> type:
-        """Type of messages such as `sensor_msgs/msg/Imu`, whose samples are bytes."""
+        """Return the type of a message, whose samples are bytes.
+
+        Args:
+            name: Full name, such as `sensor_msgs/msg/Imu`.
+        """
         return _raw(self._struct(name))
 
     def half(self, service: str, half: str) -> type:
-        """Type of requests to a service such as `std_srvs/srv/Trigger`, or of its replies."""
+        """Return the type of the requests to a service, or of its replies.
+
+        Args:
+            service: Full name, such as `std_srvs/srv/Trigger`.
+            half: "Request" or "Response".
+        """
         from cyclonedds.idl import types
 
         package, _, name = service.split("/")
@@ -52,6 +63,7 @@ class IdlTypes:
         if what == Nodetype.BASE:
             base, _ = value
             return {"string": str, "bool": bool}.get(base) or getattr(types, base)
+        # An array has a fixed length, a sequence any (the length is then a bound).
         of, length = value
         if what == Nodetype.ARRAY:
             return types.array[self._type(*of), length]
@@ -59,7 +71,13 @@ class IdlTypes:
 
 
 def sample(kind: type, data: bytes) -> Any:
-    """A sample of a raw type by its bytes."""
+    """Return a sample of a raw type with the given bytes.
+
+    Args:
+        kind: Type that `IdlTypes` has made.
+        data: Sample in CDR, with the header of its encoding.
+    """
+    # Without `__init__`, which would ask for every field.
     made: Any = object.__new__(kind)
     made.cdr = bytes(data)
     return made
@@ -68,12 +86,13 @@ def sample(kind: type, data: bytes) -> Any:
 def _make(name: str, fields: Mapping[str, Any]) -> type:
     from cyclonedds.idl import make_idl_struct
 
+    # ROS 2's name of a type in DDS has "dds_" before it and "_" behind it.
     package, folder, last = name.split("/")
     return make_idl_struct(last, f"{package}.{folder}.dds_.{last}_", dict(fields))
 
 
 def _raw(kind: Any) -> type:
-    """The type with samples that pass as they are."""
+    """Return the type with its two functions replaced, so that samples pass as bytes."""
     kind.serialize = lambda each, **_: each.cdr
     kind.deserialize = classmethod(sample)
     return kind

@@ -1,4 +1,4 @@
-"""Messages of cameras: images, lenses, and depth as points."""
+"""Messages of cameras: images, lenses, and depth images as point clouds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,14 @@ Lens = tuple[float, float, float, float]
 
 
 def image(ros: RosMessages, header: Any, pixels: np.ndarray, encoding: str) -> Any:
-    """An image by its pixels, (height, width) or (height, width, channels)."""
+    """Return a sensor_msgs/Image.
+
+    Args:
+        ros: Maker of messages.
+        header: Time and optical frame.
+        pixels: Pixels of shape (height, width) or (height, width, channels).
+        encoding: Encoding that fits them, such as "rgb8" or "16UC1".
+    """
     pixels = np.ascontiguousarray(pixels)
     height, width = pixels.shape[:2]
     return ros.new(
@@ -30,7 +37,14 @@ def image(ros: RosMessages, header: Any, pixels: np.ndarray, encoding: str) -> A
 
 
 def camera_info(ros: RosMessages, header: Any, size_px: tuple[int, int], lens: Lens) -> Any:
-    """The pinhole of a camera without distortion; its size is width and height."""
+    """Return a sensor_msgs/CameraInfo of a pinhole camera without distortion.
+
+    Args:
+        ros: Maker of messages.
+        header: Time and optical frame.
+        size_px: Width and height.
+        lens: Focal lengths and centre.
+    """
     width, height = size_px
     fx, fy, cx, cy = lens
     no_region = ros.new(
@@ -41,6 +55,7 @@ def camera_info(ros: RosMessages, header: Any, size_px: tuple[int, int], lens: L
         header=header,
         height=height,
         width=width,
+        # Five zeros of ROS's usual model stand for a lens without distortion.
         distortion_model="plumb_bob",
         d=np.zeros(5),
         k=np.array([fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]),
@@ -53,9 +68,17 @@ def camera_info(ros: RosMessages, header: Any, size_px: tuple[int, int], lens: L
 
 
 def depth_cloud(ros: RosMessages, header: Any, depth_m: np.ndarray, lens: Lens) -> Any:
-    """Depth as points in the optical frame, row by row; NaN where nothing is seen."""
+    """Return a depth image as a point cloud in the optical frame, row by row.
+
+    Args:
+        ros: Maker of messages.
+        header: Time and optical frame.
+        depth_m: Depth along the optical axis; pixels that are not finite become NaN.
+        lens: Focal lengths and centre.
+    """
     fx, fy, cx, cy = lens
     height, width = depth_m.shape
+    # The inverse of the pinhole: x = (column - cx) / fx * z, and y alike.
     z = np.where(np.isfinite(depth_m), depth_m, np.nan).astype(np.float32)
     x = ((np.arange(width) - cx) / fx).astype(np.float32) * z
     y = ((np.arange(height) - cy) / fy).astype(np.float32)[:, None] * z

@@ -1,4 +1,8 @@
-"""Builders of ROS 2 messages, over the types of a library that is an extra."""
+"""Builders of ROS 2 messages, over the types of rosbags, which is an optional library.
+
+rosbags serialises the message types of ROS 2 in pure Python, without ROS. The types that it lacks
+are defined here by their original text.
+"""
 
 from __future__ import annotations
 
@@ -48,21 +52,21 @@ float32 threshold
 
 
 class RosMissingError(RuntimeError):
-    """The library that serializes messages is not installed; the message has no subject."""
+    """The library that serialises messages is missing; the message needs a subject before it."""
 
 
 class RosMessages:
     """Makes messages of ROS 2, actuator_msgs, mavros_msgs, std_srvs and vision_msgs.
 
     Attributes:
-        store: Type store of rosbags, which serializes them.
+        store: Type store of rosbags, which serialises them.
     """
 
     def __init__(self, extra: str = "ros") -> None:
         """Load the definitions of the messages.
 
         Args:
-            extra: Extra of ours that brings the library.
+            extra: Extra of the package `aeroscene` that installs the library, for the error.
 
         Raises:
             RosMissingError: If the library is not installed.
@@ -79,46 +83,60 @@ class RosMessages:
         self._types: Mapping[str, Any] = self.store.types
 
     def new(self, kind: str, **fields: Any) -> Any:
-        """A message by its fields; the kind is such as `sensor_msgs/Imu`."""
+        """Return a message with the given fields.
+
+        Args:
+            kind: Type, such as `sensor_msgs/Imu`.
+            fields: All fields of the type.
+        """
         return self._types[_full(kind)](**fields)
 
     def type_hash(self, kind: str) -> str:
-        """Hash of a type after REP 2011, such as `RIHS01_7d9a00ff...`."""
+        """Return the hash of a type after REP 2011, such as `RIHS01_7d9a00ff...`."""
         return self.store.hash_rihs01(_full(kind))
 
     def time(self, time_us: int) -> Any:
-        """A simulated time."""
+        """Return a builtin_interfaces/Time of a simulated time since the start."""
         sec, rest_us = divmod(time_us, 1_000_000)
         return self.new("builtin_interfaces/Time", sec=sec, nanosec=1000 * rest_us)
 
     def header(self, time_us: int, frame: str) -> Any:
-        """Header with the simulated time."""
+        """Return a std_msgs/Header with the simulated time and the name of a frame."""
         return self.new("std_msgs/Header", stamp=self.time(time_us), frame_id=frame)
 
     def encode(self, message: Any) -> bytes:
-        """A message as CDR, little-endian, with the header of its encoding."""
+        """Return a message as CDR, little-endian, with the header of its encoding."""
         return bytes(self.store.serialize_cdr(message, message.__msgtype__))
 
     def decode(self, data: bytes, kind: str) -> Any:
-        """A message of CDR; the kind is such as `sensor_msgs/Imu`.
+        """Return the message that bytes of CDR hold.
+
+        Args:
+            data: Message with the header of its encoding.
+            kind: Type, such as `sensor_msgs/Imu`.
 
         Raises:
-            Exception: Of any kind, if the bytes are no such message.
+            Exception: Of any class, if the bytes are no such message.
         """
         return self.store.deserialize_cdr(data, _full(kind))
 
     def vector(self, xyz: Any, kind: str = "Vector3") -> Any:
-        """Three numbers of a kind of geometry_msgs."""
+        """Return a geometry_msgs/Vector3 of three numbers, or another type with x, y and z.
+
+        Args:
+            xyz: Three numbers.
+            kind: Name of the type in geometry_msgs, such as "Point".
+        """
         x, y, z = xyz
         return self.new(f"geometry_msgs/{kind}", x=float(x), y=float(y), z=float(z))
 
     def quaternion(self, wxyz: Any) -> Any:
-        """A rotation."""
+        """Return a geometry_msgs/Quaternion; ours have w first, those of ROS have it last."""
         w, x, y, z = map(float, wxyz)
         return self.new("geometry_msgs/Quaternion", w=w, x=x, y=y, z=z)
 
     def pose(self, position: Any, wxyz: Any) -> Any:
-        """A place and an attitude."""
+        """Return a geometry_msgs/Pose of a position and an attitude, w first."""
         return self.new(
             "geometry_msgs/Pose",
             position=self.vector(position, "Point"),
@@ -126,7 +144,12 @@ class RosMessages:
         )
 
     def transforms(self, *placed: tuple[Any, str, Any, Any]) -> Any:
-        """Transforms, each of a header, a child frame, a translation and a rotation."""
+        """Return a tf2_msgs/TFMessage.
+
+        Args:
+            placed: For each transform a header, a child frame, a translation and a rotation, w
+                first.
+        """
         stamped = [
             self.new(
                 "geometry_msgs/TransformStamped",
@@ -145,6 +168,6 @@ class RosMessages:
 
 @functools.cache
 def _full(kind: str) -> str:
-    """`sensor_msgs/Imu` as ROS 2 writes it in full: `sensor_msgs/msg/Imu`."""
+    """Return the full name of a type: `sensor_msgs/msg/Imu` for `sensor_msgs/Imu`."""
     package, *folder, name = kind.split("/")
     return f"{package}/{folder[0] if folder else 'msg'}/{name}"

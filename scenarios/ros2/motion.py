@@ -11,7 +11,7 @@ from scenarios.ros2.messages import RosMessages
 _NONE_36 = np.zeros(36)
 _NONE_9 = np.zeros(9)
 _UNKNOWN_9 = np.array([-1.0, *np.zeros(8)])
-"""Covariance of a quantity that the message does not hold."""
+"""Covariance of a quantity that a message lacks: ROS marks it by -1 in the first element."""
 
 
 def odometry(
@@ -23,7 +23,17 @@ def odometry(
     velocity_enu_mps: Any,
     rate_flu_radps: Any,
 ) -> Any:
-    """Pose in the header's frame, which is ENU, and velocity in the child's, which is FLU."""
+    """Return a nav_msgs/Odometry without covariances, which are all zero.
+
+    Args:
+        ros: Maker of messages.
+        header: Time, and a world frame in ENU.
+        child: Body frame in FLU.
+        position: Position in the world frame, m.
+        wxyz: Attitude, body to world.
+        velocity_enu_mps: Velocity in the world frame; the message has it in the body frame.
+        rate_flu_radps: Angular rate in the body frame.
+    """
     twist = ros.new(
         "geometry_msgs/Twist",
         linear=ros.vector(in_body(velocity_enu_mps, wxyz)),
@@ -41,7 +51,14 @@ def odometry(
 
 
 def imu(ros: RosMessages, header: Any, accel_flu_mps2: Any, gyro_flu_radps: Any) -> Any:
-    """Specific force and angular rate, without an orientation."""
+    """Return a sensor_msgs/Imu of specific force and angular rate, without an orientation.
+
+    Args:
+        ros: Maker of messages.
+        header: Time and body frame.
+        accel_flu_mps2: Specific force, which is (0, 0, 9.81) at rest.
+        gyro_flu_radps: Angular rate.
+    """
     return ros.new(
         "sensor_msgs/Imu",
         header=header,
@@ -55,7 +72,12 @@ def imu(ros: RosMessages, header: Any, accel_flu_mps2: Any, gyro_flu_radps: Any)
 
 
 def in_body(vector_enu: Any, quat_wxyz: Any) -> tuple[float, float, float]:
-    """A vector of the world in the body's frame, by the attitude of the body."""
+    """Return a vector of the world in the body's frame.
+
+    Args:
+        vector_enu: Vector in the world frame.
+        quat_wxyz: Attitude, body to world.
+    """
     vx, vy, vz = vector_enu
     w, x, y, z = quat_wxyz
     # The inverse rotation: v + 2 w (v x q) + 2 q x (q x v), with q the vector part.

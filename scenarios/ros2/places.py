@@ -1,4 +1,4 @@
-"""Messages of places: satellite fixes, and landing areas as markers."""
+"""Messages of positions: satellite fixes, and landing areas as markers."""
 
 from __future__ import annotations
 
@@ -17,13 +17,24 @@ _NO_FIX, _FIX, _GROUND_BASED = -1, 0, 2
 _RTK_FLOAT, _FIX_3D = 5, 3
 """Values of MAVLink's GPS_FIX_TYPE."""
 _GPS_SERVICE = 1
+# Values of NavSatFix (covariance type) and of visualization_msgs/Marker (type and action).
 _DIAGONAL_KNOWN, _LINE_STRIP, _ADD = 2, 4, 0
 _AREA_RGBA = (0.2, 0.8, 0.3, 1.0)
 _LINE_M = 0.05
 
 
 def satellite_fix(ros: RosMessages, header: Any, reading: GnssReading, frame: LocalFrame) -> Any:
-    """A fix of the receiver; altitudes are above mean sea level, as the scene has them."""
+    """Return a sensor_msgs/NavSatFix of a receiver's reading.
+
+    ROS asks for altitudes above the ellipsoid, but here they are above mean sea level, like those
+    of the scene and of MAVLink.
+
+    Args:
+        ros: Maker of messages.
+        header: Time and body frame.
+        reading: Reading, whose accuracy becomes the covariance.
+        frame: Local frame, by which the position is converted to degrees.
+    """
     place = frame.geodetic_from_enu(reading.position_enu_m)
     is_fixed = reading.fix_type >= _FIX_3D
     status = _GROUND_BASED if reading.fix_type >= _RTK_FLOAT else _FIX
@@ -45,13 +56,19 @@ def satellite_fix(ros: RosMessages, header: Any, reading: GnssReading, frame: Lo
 
 
 def area_markers(ros: RosMessages, header: Any, areas: Sequence[InteractionArea]) -> Any:
-    """The outline of each area, under its kind and the number that `--area` takes."""
+    """Return a visualization_msgs/MarkerArray with the outline of each area.
+
+    Args:
+        ros: Maker of messages.
+        header: Time and world frame.
+        areas: Areas; a marker's namespace is its kind, and its id the number that `--area` takes.
+    """
     markers = [_outline(ros, header, area) for area in areas]
     return ros.new("visualization_msgs/MarkerArray", markers=markers)
 
 
 def _outline(ros: RosMessages, header: Any, area: InteractionArea) -> Any:
-    ring = [*area.polygon, area.polygon[0]]
+    ring = [*area.polygon, area.polygon[0]]  # closed, since a line strip is open
     nothing = ros.new("builtin_interfaces/Duration", sec=0, nanosec=0)
     r, g, b, a = _AREA_RGBA
     no_picture = ros.new("sensor_msgs/CompressedImage", **_empty_picture(header))

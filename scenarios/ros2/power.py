@@ -1,4 +1,4 @@
-"""Message of the battery."""
+"""Message of the battery's state."""
 
 from __future__ import annotations
 
@@ -16,8 +16,17 @@ _DISCHARGING = 2
 def battery(
     ros: RosMessages, header: Any, voltage_v: float, current_a: float, remaining: float
 ) -> Any:
-    """State of the battery; the current is what flows out, the rest is 0 to 1."""
+    """Return a sensor_msgs/BatteryState.
+
+    Args:
+        ros: Maker of messages.
+        header: Time and body frame.
+        voltage_v: Voltage.
+        current_a: Current that flows out, positive; the message has it negative.
+        remaining: Charge that is left, 0 to 1.
+    """
     nothing = np.zeros(0, dtype=np.float32)
+    # The message's definition asks for NaN for figures that are not measured.
     unknown = dict.fromkeys(("temperature", "charge", "capacity", "design_capacity"), math.nan)
     return ros.new(
         "sensor_msgs/BatteryState",

@@ -29,7 +29,7 @@ _FIELDS = {
     )
     for whose in ("true", "est")
 }
-"""Fields of a row of the log that make an odometry, of the truth and of the estimate."""
+"""Fields of a row of the history that make an odometry, for the truth and for the estimate."""
 
 
 class StateTopics:
@@ -45,6 +45,7 @@ class StateTopics:
             "est": (topics.frame(ODOM), self._base),
         }
         self._clock = None
+        # One clock for all: every vehicle of a world has the same time.
         if plant.world.number == 0:
             self._clock = topics.publisher("/clock", "rosgraph_msgs/Clock", SENSOR)
         self._tf = topics.publisher("/tf", "tf2_msgs/TFMessage", TRANSFORM)
@@ -64,9 +65,10 @@ class StateTopics:
         self._said: dict[str, str] = {}
 
     def on_tick(self) -> None:
-        """Publish what the last tick has brought, in the order of time."""
+        """Publish the rows of the last tick in order of time, then fix, battery and modes."""
         rows, tick_us = self._plant.history, self._plant.tick_us
         for row, time_us in zip(rows, rows["time_us"].tolist(), strict=True):
+            # True for the first row at or after each multiple of the period.
             if time_us // PERIOD_US > (time_us - tick_us) // PERIOD_US:
                 self._send_poses(row, time_us)
             if self._imu.is_heard:
@@ -78,7 +80,10 @@ class StateTopics:
         self._send_words()
 
     def _send_poses(self, row: np.void, time_us: int) -> None:
-        """Clock first: whoever reads a transform then knows its time already."""
+        """Publish clock, odometry and transforms of a row.
+
+        The clock comes first, so that a node which gets a transform knows its time already.
+        """
         ros = self._ros
         if self._clock is not None:
             self._clock.offer(lambda: ros.new("rosgraph_msgs/Clock", clock=ros.time(time_us)))
@@ -97,6 +102,7 @@ class StateTopics:
 
     def _send_fix(self) -> None:
         reading = self._plant.sensors.gnss
+        # The receiver is slower than the loop, and its reading stays until the next one.
         if reading.time_us == self._fix_us:
             return
         self._fix_us = reading.time_us
@@ -114,7 +120,8 @@ class StateTopics:
         )
 
     def _send_words(self) -> None:
-        """What the autopilot reports, whenever it changes, also while nobody listens."""
+        """Publish mode, armed state, landed state and failsafe whenever one of them changes."""
+        # Also while nobody listens, because late subscribers get the last value.
         reports = self._reports
         failsafe = reports.failsafe
         said = {

@@ -1,6 +1,8 @@
-"""What a transport offers: outlets for topics, inlets, and services; and their quality of service.
+"""Interface of a transport: outlets for topics, inlets, services, and their quality of service.
 
-Everything is polled. No thread of ours runs, and no partner can delay or end a flight.
+DDS and Zenoh have different ideas of nodes and connections. The door only needs to send bytes, to
+take those that arrived, and to know whether anybody listens. Everything is polled, because with
+callbacks of other threads a partner could delay or change a flight.
 """
 
 from __future__ import annotations
@@ -15,9 +17,9 @@ class Qos:
     """Quality of service, in the terms of ROS 2; the history is always "keep last"."""
 
     is_reliable: bool
-    """Whether lost messages are repeated; otherwise best effort."""
+    """True repeats lost messages; False is "best effort"."""
     is_latched: bool = False
-    """Whether who subscribes late still gets the last messages (transient local)."""
+    """True gives late subscribers the last messages ("transient local")."""
     depth: int = 10
     """Number of messages that are kept."""
 
@@ -29,7 +31,7 @@ STATE = Qos(is_reliable=True)
 TRANSFORM = Qos(is_reliable=True, depth=100)
 """Profile of tf2 for moving transforms."""
 LATCHED = Qos(is_reliable=True, is_latched=True, depth=1)
-"""Profile of tf2 for fixed transforms, and of all that never or rarely changes."""
+"""Profile of tf2 for fixed transforms, used for everything that never or rarely changes."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,19 +39,19 @@ class Kind:
     """Type of a topic or a service."""
 
     name: str
-    """Such as `sensor_msgs/msg/Imu` or `std_srvs/srv/Trigger`."""
+    """Full name, such as `sensor_msgs/msg/Imu` or `std_srvs/srv/Trigger`."""
     type_hash: str
     """Hash after REP 2011, such as `RIHS01_7d9a00ff...`."""
 
     @property
     def dds_name(self) -> str:
-        """Name that DDS and rmw_zenoh have for it, such as `sensor_msgs::msg::dds_::Imu_`."""
+        """Name of the type in DDS and rmw_zenoh, such as `sensor_msgs::msg::dds_::Imu_`."""
         package, folder, name = self.name.split("/")
         return f"{package}::{folder}::dds_::{name}_"
 
 
 class TransportError(RuntimeError):
-    """A transport cannot be opened; the message has no subject."""
+    """A transport cannot be opened; the message needs a subject before it."""
 
 
 class Outlet(Protocol):
@@ -57,11 +59,15 @@ class Outlet(Protocol):
 
     @property
     def is_heard(self) -> bool:
-        """Whether anybody subscribes, as of a tenth of a second ago at most."""
+        """True if anybody subscribes, as of a tenth of a second ago at most."""
         ...
 
     def send(self, data: bytes) -> None:
-        """Publish a message in CDR; it is dropped where it cannot be sent at once."""
+        """Publish a message; it is dropped if it cannot be sent at once.
+
+        Args:
+            data: Message in CDR, with the header of its encoding.
+        """
         ...
 
 
@@ -69,43 +75,60 @@ class Inlet(Protocol):
     """A topic that is subscribed to."""
 
     def take(self) -> Sequence[bytes]:
-        """Messages in CDR that have come since the last call."""
+        """Return the messages in CDR that have arrived since the last call, without waiting."""
         ...
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Request:
-    """A request to a service, which waits for its reply."""
+    """A request to a service, whose client waits for the reply."""
 
     data: bytes
-    """The request in CDR."""
+    """Request in CDR."""
     reply: Callable[[bytes], None]
-    """Sends the reply in CDR, to a client that may have gone."""
+    """Function that sends the reply in CDR; the client may have gone."""
 
 
 class Service(Protocol):
     """A service that is offered."""
 
     def take(self) -> Sequence[Request]:
-        """Requests that have come since the last call."""
+        """Return the requests that have arrived since the last call, without waiting."""
         ...
 
 
 class Transport(Protocol):
-    """A way to the other nodes of a domain."""
+    """A connection to the other nodes of a domain."""
 
     def outlet(self, topic: str, kind: Kind, qos: Qos) -> Outlet:
-        """Offer a topic, such as `/imu`."""
+        """Offer a topic.
+
+        Args:
+            topic: Full name, such as `/imu`.
+            kind: Type of its messages.
+            qos: Quality of service.
+        """
         ...
 
     def inlet(self, topic: str, kind: Kind, qos: Qos) -> Inlet:
-        """Subscribe to a topic."""
+        """Subscribe to a topic.
+
+        Args:
+            topic: Full name, such as `/cmd_vel`.
+            kind: Type of its messages.
+            qos: Quality of service.
+        """
         ...
 
     def service(self, name: str, kind: Kind) -> Service:
-        """Offer a service, such as `/arm`."""
+        """Offer a service.
+
+        Args:
+            name: Full name, such as `/arm`.
+            kind: Type of the service.
+        """
         ...
 
     def close(self) -> None:
-        """Leave the domain."""
+        """Leave the domain, and free everything that was opened."""
         ...

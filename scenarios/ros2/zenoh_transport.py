@@ -1,6 +1,7 @@
-"""Topics and services as rmw_zenoh has them, by Zenoh.
+"""Topics and services over Zenoh, by the conventions of rmw_zenoh.
 
-A session is its own router where no router runs yet, so that nodes find it without rmw_zenohd.
+Nodes of rmw_zenoh find each other through a router on this machine, the program rmw_zenohd. If no
+router runs yet, our session is the router itself, so that users need not start one.
 """
 
 from __future__ import annotations
@@ -37,22 +38,23 @@ from scenarios.ros2.zenoh_names import (
 _LOG = logging.getLogger(__name__)
 PORT = 7447
 """TCP port of the router that rmw_zenoh looks for on this machine."""
-_MOST_WAITING = 100
+_MOST_WAITING = 100  # messages in a queue; older ones are dropped
 
 
 class ZenohTransport:
-    """A session of Zenoh, in which we are one node."""
+    """Transport over Zenoh: a session with one node in it."""
 
     def __init__(self, domain: int, address: str, instance: int) -> None:
-        """Listen as the router of this machine, or join the one that runs.
+        """Listen as the router of this machine, or join the router that runs.
 
         Args:
             domain: Number of the domain, as in ROS_DOMAIN_ID.
             address: Address to listen on.
-            instance: Added to the port.
+            instance: Number that is added to the port.
 
         Raises:
-            TransportError: If the library is not installed, or neither is possible.
+            TransportError: If the library is not installed, or the port is taken by something that
+                is no router.
         """
         try:
             import zenoh
@@ -68,11 +70,12 @@ class ZenohTransport:
         self._token(node_token(domain, self._id))
 
     def outlet(self, topic: str, kind: Kind, qos: Qos) -> Outlet:
-        """Offer a topic."""
+        """Offer a topic; see `Transport.outlet`."""
         token = self._enter("MP", topic, kind, qos)
         key = topic_key(self._domain, topic, kind)
         options = {
             "encoding": self._zenoh.Encoding.APPLICATION_CDR,
+            # Blocking, the alternative, would let a slow node delay the flight.
             "congestion_control": self._zenoh.CongestionControl.DROP,
             "reliability": self._zenoh.Reliability.RELIABLE
             if qos.is_reliable
@@ -83,6 +86,7 @@ class ZenohTransport:
             return _ZenohOutlet(publisher, gid(token), lambda: publisher.matching_status.matching)
         from zenoh.ext import CacheConfig, declare_advanced_publisher
 
+        # "Transient local" is a cache, from which late subscribers ask for the last messages.
         publisher = declare_advanced_publisher(
             self._session,
             key,
@@ -93,14 +97,14 @@ class ZenohTransport:
         return _ZenohOutlet(self._keep(publisher), gid(token), lambda: True)
 
     def inlet(self, topic: str, kind: Kind, qos: Qos) -> Inlet:
-        """Subscribe to a topic; only the newest messages wait."""
+        """Subscribe to a topic, of which only the newest messages wait; see `Transport.inlet`."""
         self._enter("MS", topic, kind, qos)
         queue = self._zenoh.handlers.RingChannel(_MOST_WAITING)
         key = topic_key(self._domain, topic, kind)
         return _ZenohInlet(self._keep(self._session.declare_subscriber(key, queue)))
 
     def service(self, name: str, kind: Kind) -> Service:
-        """Offer a service."""
+        """Offer a service; see `Transport.service`."""
         self._enter("SS", name, kind, STATE)
         queue = self._zenoh.handlers.RingChannel(_MOST_WAITING)
         key = topic_key(self._domain, name, kind)
@@ -108,7 +112,7 @@ class ZenohTransport:
         return _ZenohService(self._keep(server), key, self._zenoh.Encoding.APPLICATION_CDR)
 
     def _enter(self, entity: Entity, name: str, kind: Kind, qos: Qos) -> str:
-        """Enter the graph with a topic or a service; returns its token."""
+        """Announce a topic or a service in the graph, and return its token."""
         number = next(self._numbers)
         token = entity_token(self._domain, self._id, number, entity, name, kind, qos)
         self._token(token)
@@ -118,7 +122,7 @@ class ZenohTransport:
         self._keep(self._session.liveliness().declare_token(token))
 
     def _keep(self, declared: Any) -> Any:
-        """Keep what ends with its last reference."""
+        """Keep a declared entity, because it ends with its last reference."""
         self._declared.append(declared)
         return declared
 
@@ -136,11 +140,11 @@ class _ZenohOutlet:
 
     @property
     def is_heard(self) -> bool:
-        """Whether anybody subscribes; unknown of what is kept for the late, which counts as yes."""
+        """True if anybody subscribes; always true for a latched topic, which fills its cache."""
         return self._is_matched()
 
     def send(self, data: bytes) -> None:
-        """Publish a message; it is dropped where the connection is full."""
+        """Publish a message; it is dropped if the connection is full."""
         self._n_sent += 1
         self._publisher.put(data, attachment=attachment(self._n_sent, self._sender))
 
@@ -150,20 +154,21 @@ class _ZenohInlet:
         self._subscriber = subscriber
 
     def take(self) -> Sequence[bytes]:
-        """Messages that have come since the last call."""
+        """Return the messages that have arrived since the last call."""
         return [sample.payload.to_bytes() for sample in _waiting(self._subscriber)]
 
 
 class _ZenohService:
-    """A queryable; the number and the id that came with a request go back with its reply."""
+    """A queryable of Zenoh; number and id of a request go back with its reply."""
 
     def __init__(self, queryable: Any, key: str, encoding: Any) -> None:
         self._queryable, self._key, self._encoding = queryable, key, encoding
 
     def take(self) -> Sequence[Request]:
-        """Requests that have come since the last call; what is no request of ROS is dropped."""
+        """Return the requests since the last call; queries that ROS did not send are dropped."""
         found: list[Request] = []
         for query in _waiting(self._queryable):
+            # Any program may query the key; ROS always sends a payload and an attachment.
             if query.payload is None or query.attachment is None:
                 continue
             try:
@@ -183,7 +188,7 @@ class _ZenohService:
 
 
 def _waiting(handler: Any) -> list[Any]:
-    """What waits in a queue."""
+    """Return everything that waits in a queue, without blocking."""
     found: list[Any] = []
     while (each := handler.try_recv()) is not None:
         found.append(each)
@@ -191,7 +196,7 @@ def _waiting(handler: Any) -> list[Any]:
 
 
 def _open(zenoh: Any, address: str, port: int) -> Any:
-    """A session as router on a port, or beside the router that has it."""
+    """Open a session as the router on a port, or as a peer of the router that has it."""
     own = f"tcp/{address}:{port}"
     try:
         return zenoh.open(_config(zenoh, mode="router", listen=[own], connect=[]))
@@ -208,12 +213,13 @@ def _open(zenoh: Any, address: str, port: int) -> Any:
 
 
 def _config(zenoh: Any, *, mode: str, listen: Sequence[str], connect: Sequence[str]) -> Any:
-    """Settings as rmw_zenoh's sessions and router have them: no multicast, gossip."""
+    """Return settings like those of rmw_zenoh's sessions and router: gossip without multicast."""
     config = zenoh.Config()
     for key, value in {
         "mode": mode,
         "listen/endpoints": listen,
         "connect/endpoints": connect,
+        # A port that some other program has must be refused soon, not waited for.
         "connect/timeout_ms": 2000,
         "connect/exit_on_failure": True,
         "scouting/multicast/enabled": False,

@@ -1,4 +1,4 @@
-"""Chooses the goal in words of a run: of a given area, or of the first one that a seed draws."""
+"""Choice of the goal in words of a run: for a given area, or for the first that a seed draws."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Asked = Literal["words"] | Grade
 
 
 class WordsError(TestbenchError):
-    """A scene has no goal in words; one line says which, and what would be valid."""
+    """A scene has no goal in words; the message names it and what would be valid."""
 
 
 def choose_goal(
@@ -28,21 +28,26 @@ def choose_goal(
     seed: int,
     area: InteractionArea | None = None,
 ) -> WordGoal:
-    """Goal in words of a run.
+    """Return the goal in words of a run.
 
     Args:
-        scene: The scene, with its start.
+        scene: Scene with its start.
         airframe: Vehicle that must fit on the areas.
         asked: Grade of the text; `words` draws one.
-        seed: Seed of all draws: the same one gives the same text.
+        seed: Seed of all draws; the same seed gives the same text.
         area: Area whose place the text means; None draws one.
+
+    Returns:
+        The goal, with those of the place's areas that the vehicle fits on.
 
     Raises:
         WordsError: If no text of the grade fits any such place alone.
     """
     grades: list[Grade] = [grade for grade in GRADES if asked in {"words", grade}]
     rng = generator(seed, scene.scene_id, "grade")
+    # A stream of its own for the order, so that areas and texts do not depend on it.
     order = [grades[i] for i in rng.permutation(len(grades))]
+    # Areas outside, grades inside: the drawn area is kept if any grade has a text for it.
     for candidate in draw_goals(scene, airframe, seed) if area is None else [area]:
         for grade in order:
             goal = draw_goal(scene, candidate, grade, seed)
@@ -57,6 +62,6 @@ def choose_goal(
 
 
 def fitting(goal: WordGoal, airframe: Airframe) -> WordGoal:
-    """The goal with those of its areas alone that a vehicle fits on."""
+    """Return the goal with only those of its areas that a vehicle fits on."""
     areas = tuple(area for area in goal.areas if fits(area, airframe))
     return WordGoal(text=goal.text, description=goal.description, areas=areas)

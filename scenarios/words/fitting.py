@@ -1,7 +1,9 @@
-"""Which places of a scene a description fits, by geometry.
+"""Evaluation of a description on a scene, by geometry: the places that it fits.
 
-Words have no sharp edges: 4 m from a bench is perhaps still beside it. So each condition has three
-outcomes, and a text may be used only if it surely fits one place and surely fits no other one.
+Words have no sharp edges: 4 m from a bench is perhaps still beside it. Each condition therefore has
+three outcomes, yes, maybe and no. A text may be used only if it surely fits one place and surely
+fits no other place. Several conditions together are as sure as the least sure of them, which is the
+minimum of `Truth`.
 """
 
 from __future__ import annotations
@@ -30,31 +32,32 @@ from scenarios.words.site import Place, Site, Truth
 from scenarios.words.vocabulary import ALIKE_COLOURS, ALIKE_KINDS, ALIKE_TO
 
 BESIDE_M, NOT_BESIDE_M = 2.5, 7.0
-"""Gap up to which something is beside another, and from which on it is not."""
+"""Gap up to which a place is surely beside a mark, and gap beyond which it surely is not."""
 TOWARD_M = 20.0
-"""Gap up to which one speaks of a side of something."""
+"""Greatest gap at which a place is surely "north of" a mark."""
 _SURE_RAD, _WITHIN_RAD, _MAYBE_RAD = math.radians(30), math.radians(50), math.radians(70)
-"""Angle from a compass direction within which a middle, and all of a footprint, surely lie; and
-beyond which no part of it may lie."""
+"""Angles from a compass direction. A place surely lies there if its middle is within the first and
+all of its footprint within the second. It surely does not if all of it is beyond the third."""
 _BETWEEN_M = 40.0
-"""Gap up to which one speaks of the space between two things."""
+"""Greatest gap of two marks at which a place is surely "between" them."""
 _CLOSER, _CLOSER_M = 1.4, 1.0
-"""A place is the nearest if others are farther by this factor and length together."""
+"""A place is surely the nearest if all others are farther than its distance times this factor plus
+this length."""
 _TOUCH = 0.02
-"""Share of the smaller footprint that may overlap where two things only touch."""
+"""Share of the smaller footprint up to which an overlap counts as touching."""
 _LEVEL_M = 1.0
-"""Vertical gap up to which two things are level with each other."""
+"""Vertical gap up to which two places count as level with each other."""
 
 
 def fits(description: Description, site: Site) -> Mapping[Place, Truth]:
-    """Places that a description fits or may be thought to fit.
+    """Return the places that a description fits, or that a reader may think it fits.
 
     Args:
-        description: What is looked for.
-        site: Where.
+        description: Description to evaluate.
+        site: All places of the scene; it keeps the result.
 
     Returns:
-        `YES` or `MAYBE` under each such place; all others it surely does not fit.
+        `YES` or `MAYBE` for each such place. It surely fits no other place.
     """
     if description not in site.fits:
         site.fits[description] = _fits(description, site)
@@ -70,7 +73,7 @@ def _fits(description: Description, site: Site) -> Mapping[Place, Truth]:
     for link in description.links:
         if found and not isinstance(link, Nearest):
             found = _kept(link, found, site)
-    # The nearest of those that all else fits.
+    # "Nearest" is a comparison among the places that all other conditions leave, so it is last.
     for link in description.links:
         if found and isinstance(link, Nearest):
             found = _nearest(link, found, site)
@@ -78,8 +81,17 @@ def _fits(description: Description, site: Site) -> Mapping[Place, Truth]:
 
 
 def the_one(description: Description, site: Site) -> Place | None:
-    """The only place that a description fits; None if it fits none, or if another one may do."""
+    """Return the only place that a description fits.
+
+    Args:
+        description: Description to evaluate.
+        site: All places of the scene.
+
+    Returns:
+        The place; None if the description fits none for sure, or may fit a second one.
+    """
     found = fits(description, site)
+    # Two places that may fit are enough to make the text ambiguous.
     if len(found) != 1:
         return None
     (place, truth), *_ = found.items()
@@ -92,6 +104,7 @@ def _looks_fit(description: Description, place: Place, site: Site) -> Truth:
     if truth and wanted[1] is not None:
         truth = min(truth, _same_colour(wanted[1], place))
     if truth and wanted[2] is not None and place.form != wanted[2]:
+        # A place of another kind, or of no known form, may still be taken for it.
         is_other = place.kind == wanted[0] and place.form is not None
         truth = Truth.NO if is_other else min(truth, Truth.MAYBE)
     if truth and description.storey is not None:
@@ -116,7 +129,8 @@ def _same_colour(wanted: str, place: Place) -> Truth:
 
 
 def _kept(link: Link, found: Mapping[Place, Truth], site: Site) -> dict[Place, Truth]:
-    """Places for which a relation holds or may hold."""
+    """Return the places for which a relation holds or may hold."""
+    # Outcomes are kept by place, since many descriptions share a relation.
     known = site.holds.setdefault(link, {})
     holds = None if all(place.id in known for place in found) else _condition(link, site)
     kept: dict[Place, Truth] = {}
@@ -129,9 +143,9 @@ def _kept(link: Link, found: Mapping[Place, Truth], site: Site) -> dict[Place, T
 
 
 def _condition(link: Link, site: Site) -> Callable[[Place], Truth]:
-    """Function that says whether a relation holds for a place.
+    """Return the function that evaluates a relation for a place.
 
-    A relation to something that is not unique holds for nobody.
+    A relation to a mark that is not unique holds for no place.
     """
     if isinstance(link, Has):
         return lambda place: has(link, place, site)
@@ -162,7 +176,13 @@ def _truth(value: bool) -> Truth:
 
 
 def has(link: Has, place: Place, site: Site) -> Truth:
-    """Whether so many of a kind stand on a place."""
+    """Evaluate whether exactly `link.count` objects of a kind stand on a place.
+
+    Args:
+        link: Count and kind.
+        place: Place that would carry them.
+        site: All places of the scene.
+    """
     sure = possible = 0
     for other, is_sure in site.standing_on(place):
         truth = _same_kind(link.kind, other.kind)
@@ -170,18 +190,18 @@ def has(link: Has, place: Place, site: Site) -> Truth:
         sure += is_sure and truth is Truth.YES
     if sure == possible == link.count:
         return Truth.YES
-    # Where there are more, some may still say that there are two.
+    # With more than two of them, it is still true in a sense that there are two.
     return Truth.NO if possible < link.count else Truth.MAYBE
 
 
 def on(place: Place, host: Place, site: Site) -> Truth:
-    """Whether something stands on a place, or in a room."""
+    """Evaluate whether a place stands on a host, or in it if the host is a room."""
     stands = site.stands_on(place, host)
     return Truth.MAYBE if stands is None else _truth(stands)
 
 
 def beside(place: Place, mark: Place, site: Site) -> Truth:
-    """Whether something is within reach of a mark, level with it and in the same room."""
+    """Evaluate whether a place is beside a mark: near it, level with it and in the same room."""
     if place is mark or not _is_level(place, mark):
         return Truth.NO
     gap_m = site.gap_m(place, mark)
@@ -192,7 +212,14 @@ def beside(place: Place, mark: Place, site: Site) -> Truth:
 
 
 def toward(place: Place, mark: Place, direction: Compass, site: Site) -> Truth:
-    """Whether something lies in a direction from a mark."""
+    """Evaluate whether a place lies in a compass direction from a mark.
+
+    Args:
+        place: Place whose footprint is tested.
+        mark: Landmark, from whose middle the angle is measured.
+        direction: Direction as seen from the mark.
+        site: All places of the scene.
+    """
     if place is mark:
         return Truth.NO
     off_rad = _angles_off(place.points, mark.centre, direction)
@@ -204,6 +231,7 @@ def toward(place: Place, mark: Place, direction: Compass, site: Site) -> Truth:
         and off_rad.max() <= _WITHIN_RAD
         and site.gap_m(place, mark) <= TOWARD_M
         and _are_apart(place, mark)
+        # A roof counts by its building, which is what an observer on the ground sees.
         and _is_level(site.foot_of(place), site.foot_of(mark))
         and _share_a_room(place, mark, site)
     )
@@ -211,7 +239,14 @@ def toward(place: Place, mark: Place, direction: Compass, site: Site) -> Truth:
 
 
 def between(place: Place, first: Place, second: Place, site: Site) -> Truth:
-    """Whether something lies between two marks."""
+    """Evaluate whether a place lies between two marks.
+
+    Args:
+        place: Place whose footprint is tested.
+        first: One mark.
+        second: The other mark.
+        site: All places of the scene.
+    """
     if place in {first, second}:
         return Truth.NO
     way = second.centre - first.centre
@@ -219,6 +254,7 @@ def between(place: Place, first: Place, second: Place, site: Site) -> Truth:
     if length_m < 1e-6:
         return Truth.NO
     along, across = _in_frame(place.points, first.centre, way / length_m)
+    # A point beside the line by more than half of its length is surely not between.
     is_near = (along > 0.0) & (along < length_m) & (np.abs(across) < 0.5 * length_m)
     if not is_near.any():
         return Truth.NO
@@ -242,31 +278,33 @@ def _nearest(link: Nearest, found: Mapping[Place, Truth], site: Site) -> dict[Pl
     nearest = min(gaps_m, key=lambda place: gaps_m[place], default=None)
     if nearest is None:
         return {}
+    # All places within this reach may be taken for the nearest.
     reach_m = _CLOSER * gaps_m[nearest] + _CLOSER_M
     near = [place for place, gap_m in gaps_m.items() if gap_m <= reach_m]
     is_sure = len(near) == 1 and _are_apart(nearest, mark) and _share_a_room(nearest, mark, site)
+    # A place that fits the rest only perhaps is not surely the nearest of those that fit.
     return {place: min(found[place], Truth.YES if is_sure else Truth.MAYBE) for place in near}
 
 
 def _gap_m(place: Place, mark: Place, site: Site) -> float:
-    """Least distance between two things, also from storey to storey."""
+    """Return the least distance between two places, which may be on different storeys."""
     rise_m = max(place.bottom_m - mark.top_m, mark.bottom_m - place.top_m, 0.0)
     return math.hypot(site.gap_m(place, mark), rise_m)
 
 
 def _are_apart(place: Place, mark: Place) -> bool:
-    """Whether neither stands on the other: footprints may touch, but not overlap."""
+    """Return true if neither stands on the other: footprints may touch, but not overlap."""
     least_m2 = min(place.ground.area, mark.ground.area)
     return place.ground.intersection(mark.ground).area <= _TOUCH * least_m2
 
 
 def _is_level(place: Place, mark: Place) -> bool:
-    """Whether the heights of two things overlap, or nearly do."""
+    """Return true if the heights of two places overlap, or nearly do."""
     return place.bottom_m <= mark.top_m + _LEVEL_M and mark.bottom_m <= place.top_m + _LEVEL_M
 
 
 def _share_a_room(place: Place, mark: Place, site: Site) -> bool:
-    """Whether no wall of a room stands between two things; rooms count as places of a storey."""
+    """Return true if no wall of a room is between two places; two rooms need one building."""
     rooms = site.room_by_id
     if ROOMS & {place.kind, mark.kind}:
         return place.kind == mark.kind and site.whole_of(place) is site.whole_of(mark)
@@ -274,7 +312,8 @@ def _share_a_room(place: Place, mark: Place, site: Site) -> bool:
 
 
 def _angles_off(points: np.ndarray, centre: np.ndarray, direction: Compass) -> np.ndarray:
-    """Angle of each point from a direction, seen from a centre, rad."""
+    """Return the angle of each point from a direction, seen from a centre, 0 to pi rad."""
+    # Compass bearings count clockwise from north, so east is the sine and north the cosine.
     bearing = math.radians(90.0 * COMPASS.index(direction))
     along, across = _in_frame(points, centre, np.array([math.sin(bearing), math.cos(bearing)]))
     return np.abs(np.arctan2(across, along))
@@ -283,6 +322,6 @@ def _angles_off(points: np.ndarray, centre: np.ndarray, direction: Compass) -> n
 def _in_frame(
     points: np.ndarray, origin: np.ndarray, axis: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Lengths along an axis and across it, m."""
+    """Return the coordinates of points along an axis and across it, m; positive to its left."""
     away = points - origin
     return away @ axis, away @ np.array([-axis[1], axis[0]])

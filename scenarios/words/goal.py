@@ -1,4 +1,8 @@
-"""What a text means: a kind, how it looks, and how it stands to other places, as plain data."""
+"""Meaning of a text as plain data: a kind of place, its looks, and its relations to other places.
+
+The classes form a tree: a description has relations, and most relations refer to another
+description. They are frozen, so that descriptions are keys under which results are kept.
+"""
 
 from __future__ import annotations
 
@@ -7,35 +11,35 @@ from typing import Literal, TypeAlias
 
 Compass = Literal["north", "east", "south", "west"]
 COMPASS: tuple[Compass, ...] = ("north", "east", "south", "west")
-"""Clockwise from above."""
+"""Directions, clockwise from above; the index times 90 degrees is the bearing."""
 Grade = Literal["naming", "relation", "chain"]
 GRADES: tuple[Grade, ...] = ("naming", "relation", "chain")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Description:
-    """What `the ...` in a text means."""
+    """Meaning of a noun phrase such as "the red car on the lawn"."""
 
     kind: str
-    """Key of `NOUNS`."""
+    """Kind of the place, a key of `vocabulary.NOUNS`."""
     colour: str | None = None
     """Adjective of a colour; None for any."""
     form: str | None = None
-    """Form by a key of `FORM_WORDS`; None for any."""
+    """Form, which is with the kind a key of `vocabulary.FORM_WORDS`; None for any."""
     storey: int | None = None
     """Storey of its building, 0 for the lowest one; None for any."""
     links: tuple[Link, ...] = ()
-    """Relations to other places; all of them hold."""
+    """Relations to other places, all of which must hold."""
 
     @property
     def is_plain(self) -> bool:
-        """Whether it has no relation."""
+        """True if it has no relation."""
         return not self.links
 
 
 @dataclass(frozen=True, slots=True)
 class Has:
-    """So many of a kind stand on the place, or in it."""
+    """Relation: exactly `count` objects of a kind stand on the place, or in it."""
 
     count: int
     kind: str
@@ -43,28 +47,28 @@ class Has:
 
 @dataclass(frozen=True, slots=True)
 class On:
-    """It stands on another place, or in a room."""
+    """Relation: the place stands on another place, or in a room."""
 
     host: Description
 
 
 @dataclass(frozen=True, slots=True)
 class Of:
-    """It is the roof of a building."""
+    """Relation: the place is the roof of a building."""
 
     whole: Description
 
 
 @dataclass(frozen=True, slots=True)
 class Beside:
-    """It is within arm's reach of something, level with it."""
+    """Relation: the place is beside a mark, level with it."""
 
     mark: Description
 
 
 @dataclass(frozen=True, slots=True)
 class Toward:
-    """It lies on one side of something, by compass, and not far from it."""
+    """Relation: the place lies on one side of a mark, by compass, and not far from it."""
 
     direction: Compass
     mark: Description
@@ -72,7 +76,7 @@ class Toward:
 
 @dataclass(frozen=True, slots=True)
 class Between:
-    """It lies between two others."""
+    """Relation: the place lies between two marks."""
 
     first: Description
     second: Description
@@ -80,7 +84,7 @@ class Between:
 
 @dataclass(frozen=True, slots=True)
 class Nearest:
-    """Of all that the rest of the description fits it is clearly the nearest to something."""
+    """Relation: of all places that fit the rest, the place is clearly the nearest to a mark."""
 
     mark: Description
 
@@ -89,7 +93,13 @@ Link: TypeAlias = Has | On | Of | Beside | Toward | Between | Nearest
 
 
 def grade_of(description: Description) -> Grade:
-    """Grade of a text by what it means: naming, one relation, or a chain of them."""
+    """Return the grade of a text by its meaning: naming, one relation, or a chain of them.
+
+    One relation to a mark that has a relation itself is a chain, too.
+
+    Args:
+        description: Meaning of the text.
+    """
     match description.links:
         case ():
             return "naming"
@@ -100,7 +110,7 @@ def grade_of(description: Description) -> Grade:
 
 
 def marks_of(link: Link) -> tuple[Description, ...]:
-    """Descriptions that a relation refers to."""
+    """Return the descriptions that a relation refers to: none for `Has`, two for `Between`."""
     match link:
         case Has():
             return ()

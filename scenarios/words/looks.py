@@ -1,7 +1,8 @@
 """Colour and form of an object as the world shows it, read from the solids that are rendered.
 
-An attribute may say nothing, or something that a shape has no room for. The materials of the solids
-cannot be wrong: the renderer paints with them.
+A pilot sees pictures, so a text must agree with them. An attribute may be missing, or name a form
+that the shape has no room for. The materials of the solids cannot be wrong, because the renderer
+paints with them.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from aeroscene.solids.shapes.primitive import Primitive
 from scenarios.words.vocabulary import COLOUR_WORDS
 
 _LEAST_SHARE = 0.25
-"""Share of the surface that a colour must have to be the object's."""
+"""Least share of the surface that a colour needs to be the object's."""
 _LEAST_LEAD = 6.0
-"""How many times as large the surface of that colour must be as that of any other."""
+"""Least ratio of the surface of that colour to that of any other colour."""
 _LOADS = {"cardboard": "boxes", "fabric_beige": "sacks", "brick": "bricks"}
 _FLOORS = {
     "floor_tiles": "tiles",
@@ -28,9 +29,13 @@ _FLOORS = {
 
 
 def colours_of(obj: SceneObject) -> Mapping[str, float]:
-    """Shares of an object's surface by the adjectives of their colours, the largest first.
+    """Return the shares of an object's surface by colour adjective, the largest first.
 
-    What has no adjective, such as glass and tyres, counts for the whole surface alone.
+    Materials without an adjective, such as glass and tyres, count for the whole surface only, so
+    the shares may add up to less than 1.
+
+    Args:
+        obj: Object of a scene.
     """
     areas_m2: Counter[str] = Counter()
     whole_m2 = 0.0
@@ -44,10 +49,10 @@ def colours_of(obj: SceneObject) -> Mapping[str, float]:
 
 
 def prevailing(shares: Mapping[str, float]) -> str | None:
-    """Adjective of the colour by which one would call an object; None if none prevails.
+    """Return the colour by which a reader would call an object, None if no colour prevails.
 
     Args:
-        shares: Shares of its surface, the largest first.
+        shares: Shares of its surface, the largest first, as `colours_of` returns them.
     """
     first, second = (*shares.values(), 0.0, 0.0)[:2]
     is_clear = first >= _LEAST_SHARE and first >= _LEAST_LEAD * second
@@ -55,7 +60,12 @@ def prevailing(shares: Mapping[str, float]) -> str | None:
 
 
 def form_of(obj: SceneObject, kind: str) -> str | None:
-    """Form that an object shows, a key of `FORM_WORDS`; None if it shows none with a word."""
+    """Return the form that an object shows, None if it shows none that has a word.
+
+    Args:
+        obj: Object of a scene.
+        kind: Its kind, which is with the form a key of `FORM_WORDS`.
+    """
     solids = object_primitives(obj)
     materials = {solid.material for solid in solids}
     match kind:
@@ -66,6 +76,7 @@ def form_of(obj: SceneObject, kind: str) -> str | None:
         case "crate":
             return "plastic" if any(name.startswith("paint_") for name in materials) else "wooden"
         case "truck":
+            # The tank is the only metal cylinder; wheels are cylinders of rubber.
             if any(solid.kind == "cylinder" and solid.material == "metal" for solid in solids):
                 return "tanker"
             return "flatbed" if "wood" in materials else None
@@ -78,7 +89,7 @@ def form_of(obj: SceneObject, kind: str) -> str | None:
 
 
 def _marking(pad: tuple[Primitive, ...]) -> str | None:
-    """Sign that is painted on a landing pad."""
+    """Return the sign that is painted on a landing pad, None if there is none."""
     if any(solid.material == "light_red" for solid in pad):
         return "rings"
     is_round = any(solid.kind == "cylinder" for solid in pad)
@@ -89,5 +100,6 @@ def _marking(pad: tuple[Primitive, ...]) -> str | None:
 
 
 def _surface_m2(solid: Primitive) -> float:
+    # That of its box, whatever its kind: only the shares of colours matter.
     x, y, z = solid.size_m
     return 2.0 * (x * y + y * z + z * x)

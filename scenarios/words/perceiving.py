@@ -1,4 +1,4 @@
-"""What perfect perception finds: the areas of the place that a description fits."""
+"""Perfect perception: the areas of the place that a description fits, read from the scene."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from scenarios.words.site import site_of
 def perceived_areas(
     scene: Scene, description: Description, airframe: Airframe
 ) -> list[InteractionArea]:
-    """Areas of the only place that a description fits, the nearest to the start first.
+    """Return the areas of the only place that a description fits, the nearest to the start first.
 
-    The scene graph itself is read here, which is what faultless segmentation and tracking of a
-    vehicle that has seen everything would come to.
+    The scene graph itself is read. A vehicle with faultless segmentation and tracking would know
+    the same after it had seen everything.
 
     Args:
-        scene: The scene with its objects, and with the start of the flight.
+        scene: Scene with its objects and the start of the flight.
         description: Meaning of the text.
         airframe: Vehicle that must fit on the areas.
 
     Returns:
-        The areas; none if the description fits no place, or several.
+        The areas; empty if the description fits no place, or several.
     """
     place = the_one(description, site_of(scene))
     areas = [] if place is None else [area for area in place.areas if fits(area, airframe)]

@@ -1,4 +1,9 @@
-"""English texts of descriptions, in several phrasings that a seed chooses among."""
+"""English texts of descriptions, in several phrasings among which a seed chooses.
+
+Each part of a description has a few phrasings, so that a pilot cannot rely on one pattern. Some
+combinations are grammatical and still ambiguous, for example a relation that could belong to either
+of two nouns. Commas, "that stands" and the order of relations prevent these.
+"""
 
 from __future__ import annotations
 
@@ -36,21 +41,22 @@ _SHORT_ORDERS = (
     "Fly to {place} and land {there}.",
     "Bring the drone to {place} and put it down {there}.",
 )
-"""Orders that go on after the place, which only a short one allows: at the end of a long one nobody
-knows any more what `there` is."""
+"""Orders for short places, some of which continue after the place. At the end of a long place, a
+reader would not know any more what "there" refers to."""
 _NUMBERS = ("no", "one", "two", "three", "four", "five")
 _STOREYS = ("on the ground floor", "one floor up", "two floors up", "three floors up")
 
 
 def text_of(description: Description, rng: np.random.Generator) -> str:
-    """The order to land on what a description means.
+    """Return the order to land on the place that a description means.
 
     Args:
-        description: What is meant.
-        rng: Chooses the phrasing.
+        description: Meaning of the text.
+        rng: Source of the phrasing.
     """
     place = noun_phrase(description, rng)
     at, there = _prepositions(description.kind, rng)
+    # A long place is named at the end, or in a sentence of its own.
     orders = _SHORT_ORDERS if description.is_plain else _ORDERS
     text = _one(rng, orders).format(at=at, place=place, there=there)
     return text[0].upper() + text[1:]
@@ -59,13 +65,13 @@ def text_of(description: Description, rng: np.random.Generator) -> str:
 def noun_phrase(
     description: Description, rng: np.random.Generator, *, is_mark: bool = False
 ) -> str:
-    """`The ...` with all that a description says.
+    """Return the noun phrase of a description, such as "the red car on the lawn".
 
     Args:
-        description: What is meant.
-        rng: Chooses the phrasing.
-        is_mark: Whether something else is described by it. Then directions are by compass: two
-            viewpoints in one sentence would be taken for one.
+        description: Meaning of the phrase.
+        rng: Source of the phrasing.
+        is_mark: True if the phrase is a landmark within another one. Its directions are then by
+            compass, because two viewpoints in one sentence would be taken for one.
     """
     before, after = FORM_WORDS.get((description.kind, description.form or ""), ("", ""))
     noun, _ = NOUNS[description.kind]
@@ -73,13 +79,15 @@ def noun_phrase(
     words = ["the", description.colour or "", before, noun, storey, after]
     head = " ".join(word for word in words if word)
     links = [_link(link, description, rng, is_mark=is_mark) for link in description.links]
+    # "with the carpet and two chairs in it" rather than "with the carpet with two chairs in it".
     if links and isinstance(description.links[0], Has) and after.startswith("with "):
         links[0] = links[0].replace("with ", "and ", 1)
     if len(links) < 2:
-        # The cross of a landing pad is not west of anything: the pad is.
+        # A comma keeps "the pad with a white cross, west of ..." from placing the cross.
         is_apart = bool(after) and not is_mark and not any(x.startswith("and ") for x in links)
         return (", " if is_apart else " ").join([head, *links])
     first, *rest = description.links
+    # Several relations: each form of the sentence keeps them all with the first noun.
     if isinstance(first, (Has, Of)):
         return f"{head} {links[0]}, {' and '.join(links[1:])}"
     if any(isinstance(link, Has) for link in rest):
@@ -92,7 +100,7 @@ def _storey(number: int) -> str:
 
 
 def _prepositions(kind: str, rng: np.random.Generator) -> tuple[str, str]:
-    """How one lands at a kind of place, before its name and after it."""
+    """Return the words for landing at a kind of place, before its name and in place of it."""
     if kind in ROOMS:
         return "in", _one(rng, ("there", "in it"))
     if kind in ON_TOP:
@@ -101,13 +109,13 @@ def _prepositions(kind: str, rng: np.random.Generator) -> tuple[str, str]:
 
 
 def _link(link: Link, whose: Description, rng: np.random.Generator, *, is_mark: bool) -> str:
-    """A relation in words."""
+    """Return a relation in words."""
     match link:
         case Has(count, kind):
             return f"with {_counted(count, kind)} {_where_on(whose.kind)}"
         case On(host):
             preposition = "in" if host.kind in ROOMS else "on"
-            # `nearest to the van on the lawn` leaves open what is on the lawn.
+            # In "nearest to the van on the lawn", either could be on the lawn.
             preposition = f"that stands {preposition}" if is_mark else preposition
             return f"{preposition} {_mark(host, rng)}"
         case Of(whole):
@@ -140,15 +148,15 @@ def _where_on(kind: str) -> str:
 
 
 def _by_compass(direction: Compass) -> Sequence[str]:
-    """Ways to say by compass that something lies in a direction from a mark."""
+    """Return phrases by compass for a place in a direction from a mark."""
     return f"{direction} of {{}}", f"to the {direction} of {{}}"
 
 
 def _sides(direction: Compass) -> Sequence[str]:
-    """All ways to say that something lies in a direction from a mark."""
+    """Return all phrases for a place in a direction from a mark, also from a viewpoint."""
     place = COMPASS.index(direction)
     opposite, right, left = (COMPASS[(place + turn) % 4] for turn in (2, 1, 3))
-    # Whoever stands in the south and looks north has the east to the right.
+    # An observer in the south who looks north has the east to the right.
     return (
         *_by_compass(direction),
         f"behind {{}} as seen from the {opposite}",

@@ -1,4 +1,9 @@
-"""A scene as a text speaks of it: places with a kind, looks, a footprint, a storey and a host."""
+"""A scene as texts refer to it: places with a kind, looks, a footprint, a storey and a host.
+
+The scene's objects are close to the things that people name, with exceptions: tiles of one room are
+one room, and a terrain object is a mound or a ramp. A `Site` makes these places once, and answers
+geometric questions about them. Answers are kept, because drawing one text asks thousands of them.
+"""
 
 from __future__ import annotations
 
@@ -24,26 +29,27 @@ from scenarios.words.vocabulary import COLOURED, TERRAIN_FORMS
 
 
 class Truth(IntEnum):
-    """Whether a condition holds."""
+    """Outcome of a condition. Outcomes are ordered, so that `min` joins several conditions."""
 
     NO = 0
     MAYBE = 1
-    """A reader may think so."""
+    """Some readers would say so, and others not."""
     YES = 2
 
 
 HOSTS = COVERS | ROOFS | ROOMS | DECKS | TABLETOPS | PADS | TERRAIN_FORMS
-"""Kinds that other things stand on or in."""
+"""Kinds on which, or in which, other objects stand."""
 _TRACE = 0.04
-"""Share of its surface below which nobody calls a thing by a colour."""
+"""Share of the surface below which a colour is a mere trace, by which nobody names an object."""
 _STOREY_M = 1.5
 """Rooms whose floors lie closer than this are on one storey."""
 _ABOVE_M, _BELOW_M = 0.3, 0.15
-"""How far the underside of what stands on a host may lie above its top and below its underside."""
+"""Range of the underside of an object on a host: up to this far above the host's top, and up to
+this far below the host's underside."""
 _INSIDE_M = 0.3
-"""How far it may stand out over the edge of its host."""
+"""Length by which an object may extend beyond the edge of its host."""
 _SAMPLES = 5
-"""Points of a footprint along each axis by which directions are judged."""
+"""Points of a footprint along each axis, by which directions are judged."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,20 +61,20 @@ class Place:
     kind: str
     objects: tuple[SceneObject, ...]
     colour: str | None
-    """Adjective by which one would call it; None if no colour prevails, or it catches no eye."""
+    """Colour by which a reader would call it; None if none prevails or catches the eye."""
     colours: frozenset[str]
-    """Adjectives of all colours that it shows, but for traces."""
+    """Adjectives of all colours that it shows, except for traces."""
     form: str | None
     ground: BaseGeometry
     """Footprint, ENU, m."""
     bottom_m: float
     top_m: float
     areas: tuple[InteractionArea, ...]
-    """Landing areas that it bears, whatever their class."""
+    """Landing areas that it carries, whatever their class."""
 
     @cached_property
     def object_ids(self) -> frozenset[int]:
-        """Ids of its objects."""
+        """Ids of the objects that it is made of."""
         return frozenset(obj.id for obj in self.objects)
 
     @cached_property
@@ -78,7 +84,7 @@ class Place:
 
     @cached_property
     def points(self) -> Float[np.ndarray, "n 2"]:
-        """Points all over the footprint, its corners among them, ENU, m."""
+        """Points all over the footprint, including its corners, ENU, m."""
         low_x, low_y, high_x, high_y = self.ground.bounds
         xs, ys = np.linspace(low_x, high_x, _SAMPLES), np.linspace(low_y, high_y, _SAMPLES)
         grid = np.array([(x, y) for x in xs for y in ys])
@@ -87,7 +93,7 @@ class Place:
 
 
 class Site:
-    """All places of a scene, and what is where.
+    """All places of a scene, with distances, hosts, rooms and storeys.
 
     Attributes:
         places: All places, in the order of the objects.
@@ -106,27 +112,37 @@ class Site:
         self._gaps_m: dict[int, Float[np.ndarray, " n"]] = {}
         self.hosts = [place for place in self.places if place.kind in HOSTS]
         self.heads: dict[int, list[Description]] = {}
-        """Descriptions without relations that fit each place; kept, as all below."""
+        """Descriptions without relations that fit each place, kept by `drawing`."""
         self.fits: dict[Description, Mapping[Place, Truth]] = {}
+        """Results of `fitting.fits`."""
         self.holds: dict[Link, dict[int, Truth]] = {}
-        """Whether a relation holds, under the number of the place."""
+        """Outcomes of relations, by the number of the place, kept by `fitting`."""
 
     def of_kind(self, kind: str) -> Sequence[Place]:
-        """Places of a kind."""
+        """Return the places of a kind, in the order of the objects."""
         return self._of_kind.get(kind, ())
 
     def gap_m(self, place: Place, mark: Place) -> float:
-        """Distance between two footprints; 0 where they touch or overlap."""
+        """Return the distance between two footprints, 0 if they touch or overlap.
+
+        Args:
+            place: One place.
+            mark: The other place, whose distances to all places are then kept.
+        """
         if mark.id not in self._gaps_m:
             self._gaps_m[mark.id] = shapely.distance(self._grounds, mark.ground)
         return float(self._gaps_m[mark.id][place.id])
 
     def place_of(self, object_id: int | None) -> Place | None:
-        """Place that an object is, or is a part of; None for the bare ground."""
+        """Return the place that an object is, or is a part of; None for the bare ground.
+
+        Args:
+            object_id: Id of the object; None for the ground.
+        """
         return None if object_id is None else self._of_object.get(object_id)
 
     def whole_of(self, place: Place) -> Place | None:
-        """Building that a roof or a room belongs to; None where it belongs to none."""
+        """Return the building that a roof or a room belongs to, None if it belongs to none."""
         for above in self._scene.ancestors(place.objects[0].id):
             if (found := self._of_object.get(above)) is not None and found.kind in SHELLS:
                 return found
@@ -134,13 +150,14 @@ class Site:
 
     @cached_property
     def room_by_id(self) -> Mapping[int, Place | None]:
-        """Room that each place stands in, under the number of the place; None out of rooms."""
+        """Room of each place, by the number of the place; None outside of rooms."""
         rooms = [place for place in self.places if place.kind in ROOMS]
         found: dict[int, Place | None] = {}
         for place in self.places:
             above = (self._of_object.get(i) for i in self._scene.ancestors(place.objects[0].id))
             named = (each for each in above if each is not None and each.kind in ROOMS)
             found[place.id] = next(named, None)
+        # Geometry comes after parents and wins: an object may be inside a room that is no parent.
         centres = np.array([place.centre for place in self.places])
         bottoms_m = np.array([place.bottom_m for place in self.places])
         for room in reversed(rooms):
@@ -152,7 +169,7 @@ class Site:
 
     @cached_property
     def storey_by_id(self) -> Mapping[int, int]:
-        """Storey of each room in a building of several ones, under the number of the place."""
+        """Storey of each room, by the number of the place; only buildings with several count."""
         rooms: dict[int | None, list[Place]] = {}
         for place in self.places:
             if place.kind in ROOMS:
@@ -166,24 +183,31 @@ class Site:
         return found
 
     def storey_of(self, place: Place) -> int | None:
-        """Storey of a room, or of what stands in one; None where a building has only one."""
+        """Return the storey of a room or of a place in one.
+
+        Args:
+            place: Any place.
+
+        Returns:
+            0 for the lowest storey; None outside of rooms, or if the building has only one storey.
+        """
         room = place if place.kind in ROOMS else self.room_by_id[place.id]
         return None if room is None else self.storey_by_id.get(room.id)
 
     def foot_of(self, place: Place) -> Place:
-        """What of a place one sees from the ground: of a roof, its building."""
+        """Return what an observer on the ground sees of a place: for a roof, its building."""
         whole = self.whole_of(place) if place.kind in ROOFS else None
         return place if whole is None else whole
 
     def stands_on(self, place: Place, host: Place) -> bool | None:
-        """Whether something stands on a host, or in it; None where that may be argued about."""
+        """Return true if a place stands on a host or in it, None if that is debatable."""
         for each, is_sure in self.standing_on(host):
             if each is place:
                 return is_sure or None
         return False
 
     def standing_on(self, host: Place) -> Sequence[tuple[Place, bool]]:
-        """All that stands on a host or may be said to, and whether that is beyond dispute."""
+        """Return the places that stand on a host, each with true if that is beyond dispute."""
         if host.id not in self._possible:
             self._possible[host.id] = list(self._standing_on(host))
         return self._possible[host.id]
@@ -197,15 +221,15 @@ class Site:
             place = self.places[number]
             if place is host:
                 continue
-            # What stands on the roof of a room is not in it.
+            # In a room, the underside must be below the ceiling: objects on its roof are not in it.
             most_m = host.top_m + (-_ABOVE_M if host.kind in ROOMS else _ABOVE_M)
             if not host.bottom_m - _BELOW_M <= place.bottom_m <= most_m:
                 continue
             is_within = about.contains(place.ground)
             parent = self.place_of(place.objects[0].parent_id)
             is_others = parent is not None and parent is not host and parent.kind in HOSTS
-            # A cup on a table in a room is in the room; a bench on a square in a lawn is not on the
-            # lawn.
+            # A cup on a table in a room is in the room. But a bench on a square within a lawn is
+            # not on the lawn.
             is_others = is_others and host.kind not in ROOMS
             found.append((place, is_within and not is_others))
         return found
@@ -213,13 +237,14 @@ class Site:
 
 @functools.lru_cache(maxsize=4)
 def site_of(scene: Scene) -> Site:
-    """The places of a scene, kept for the next text."""
+    """Return the places of a scene; the last four scenes are kept for further texts."""
     return Site(scene)
 
 
 def _places(scene: Scene) -> tuple[Place, ...]:
     groups: dict[object, list[SceneObject]] = {}
     for obj in scene.objects:
+        # Tiles of one room share its name and its parent. Any other object is a group of its own.
         groups.setdefault(room_of(obj) or obj.id, []).append(obj)
     areas: dict[int | None, list[InteractionArea]] = {}
     for area in scene.landing_areas:
@@ -237,6 +262,7 @@ def _place(
     kind = first.category
     if kind in TERRAIN:
         kind = str(first.attributes.get("form", kind))
+    # All tiles of a room look alike, so the first one stands for them.
     shares = colours_of(first)
     heights = np.concatenate([obj.bbox.corners()[:, 2] for obj in objects])
     return Place(
@@ -254,10 +280,11 @@ def _place(
 
 
 def _storeys(floors_m: Sequence[float]) -> list[int]:
-    """Number of the storey of each floor, by its height."""
+    """Return the storey of each floor by its height, 0 for the lowest one."""
     order = np.argsort(floors_m, kind="stable")
     storeys, number = [0] * len(floors_m), 0
     for before, after in itertools.pairwise(order):
+        # A larger step in height begins a new storey.
         number += floors_m[after] - floors_m[before] > _STOREY_M
         storeys[after] = number
     return storeys

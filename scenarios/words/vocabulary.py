@@ -1,7 +1,8 @@
-"""Words for what a scene shows: nouns of kinds, adjectives of colours and forms.
+"""Words for the objects of a scene: nouns of kinds, adjectives of colours and forms.
 
 A reader may take one kind for another: a house is a building, and a crate is a box. Such kinds and
-colours are neither the same nor surely different, and a text must not depend on the difference.
+colours are listed as pairs. They are neither the same nor surely different, so `fitting` answers
+"maybe", and no text depends on the difference.
 """
 
 from __future__ import annotations
@@ -82,8 +83,10 @@ COUNTED = frozenset(
         *("counter", "fridge", "stove", "television", "plant"),
     }
 )
-"""Kinds that a text counts on a place."""
+"""Kinds that a text may count on a place."""
 
+# Each group stands for all pairs within it. Kinds without nouns are here too, because a reader may
+# still see them.
 _ALIKE_KINDS = (
     ("building", "house", "tower", "warehouse", "garage"),
     ("kiosk", "garage", "container"),
@@ -114,6 +117,7 @@ _ALIKE_KINDS = (
     ("water_tank", "ac_unit"),
 )
 
+# A colour without a word, such as asphalt, is never named in a text.
 COLOUR_WORDS: Mapping[str, str] = {
     "paint_red": "red",
     "paint_blue": "blue",
@@ -167,9 +171,9 @@ _ALIKE_COLOURS = (
 TERRAIN_FORMS = frozenset({"terrace", "ramp", "mound"})
 """Kinds that are forms of terrain, and no categories of their own."""
 ON_TOP = frozenset({"car", "van", "truck", "bus", "kiosk", "container", "canopy", "ac_unit"})
-"""Kinds whose top nobody would think of as a place to stand on, so that a text says "on top"."""
+"""Kinds on whose top nobody expects to stand, so that a text says "on top of"."""
 TOWERING = frozenset({"building", "tower"})
-"""Kinds so large that nobody speaks of the space between two of them."""
+"""Kinds that are too large for a text to speak of the space between two of them."""
 
 COLOURED = frozenset(
     {
@@ -177,7 +181,7 @@ COLOURED = frozenset(
         *("bus", "crate", "sofa", "armchair", "roof"),
     }
 )
-"""Kinds whose colour catches the eye."""
+"""Kinds whose colour catches the eye, so that a text may name it."""
 
 FORM_WORDS: Mapping[tuple[str, str], tuple[str, str]] = {
     ("landing_pad", "rings"): ("", "with red and white rings"),

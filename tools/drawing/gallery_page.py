@@ -6,38 +6,43 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-_HEAD = """# What do the scenes look like?
+_HEAD = """# What the scenes look like
 
-Pictures by the renderer that the cameras use. `python tools/draw_gallery.py` draws them all anew
-and writes this page; `tools/draw_scene.py` draws any other scene. Every texture is made by seeded
-code in `flightsim/looks/`, none is a photograph.
+This page shows you scenes of every kind, so that you can choose one to fly. Open scene 36 with
+`aeroscene sitl 36`, and a curated one with `aeroscene sitl corpus:13`. [Scenes](scenes.md) explains
+what a scene holds, and [Generate](model.md) how you make more of a kind.
+
+The vehicle's cameras use the same renderer as these pictures. `python tools/draw_gallery.py` draws
+them all anew and writes this page, and `tools/draw_scene.py` draws any other scene. Every texture
+is made by seeded code in `flightsim/looks/`; none is a photograph.
 """
 _SECTIONS = {
     "generated": """## Generated
 
-Scenes of the AeroScene dataset: program and numbers are the model's.
+These scenes of the AeroScene dataset are the model's own, both their program and their numbers.
 """,
     "places": """## Places of the corpus, and generated ones beside them
 
-Curated scenes are what the model learns from, as they come out of `aeroscene/corpus/curation/`; on
-the right of some, a scene of the kind that the model made. Fine pictures: each pixel is lit by rays
-to the sun and the sky, so shadows are soft and corners dark.
+The model learns from curated scenes, which `aeroscene/corpus/curation/` composes. To the right of
+some you see a scene of the same kind that the model made. These are fine pictures: each pixel is
+lit by rays to the sun and the sky, so that shadows are soft and corners dark.
 """,
     "onboard": """## On board
 
-What a camera of the vehicle gives at 320 x 240, without a graphics card and in some ten
-milliseconds: forward in colour and depth, then down. Shadows, shade and lamps are in the skins, so
-they cost nothing when a frame is drawn; depth is in colours from the nearest (red) to the farthest
-(blue).
+This is what your pilot gets from the vehicle's cameras at 320 x 240, without a graphics card and in
+about ten milliseconds: forward in colour and depth, then down. Shadows, shade and lamps are painted
+into the skins, so that they cost nothing when a frame is drawn. Depth is shown in colours from the
+nearest (red) to the farthest (blue).
 """,
     "areas": """## Landing and perching areas
 
-Landing areas for small (blue), medium (green) and large drones (orange), perching areas in violet.
+Landing areas are blue for small, green for medium and orange for large drones. Perching areas are
+violet.
 """,
     "categories": """## The 70 categories
 
-Three of each, small, middling and large in the range of the catalogue; forms and colours vary with
-the object's number and its attributes.
+You see three objects of each category: a small, a medium and a large one, within the range of the
+catalogue. Forms and colours vary with the object's number and its attributes.
 """,
 }
 

@@ -1,1 +1,1 @@
-"""Files to begin with, which `aeroscene new` copies under a name of the user's."""
+"""Starter files that `aeroscene new` copies under a name that the user chooses."""

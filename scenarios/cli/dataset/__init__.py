@@ -37,18 +37,24 @@ _RUN: Mapping[type, Callable[[Any], int]] = {
 class DatasetCfg:
     """Count, check, look at and unpack the 1,016 scenes that ship, or those of a folder.
 
-    The training corpus is built into one.
+    build makes such a folder, with the training corpus in it.
     """
 
     action: Action
 
 
 def run(cfg: DatasetCfg) -> int:
-    """Run the command; exit status 2 with one line for bad input or an unusable folder."""
+    """Run the subcommand, and mention a corpus that is incomplete.
+
+    Returns:
+        Exit status of the subcommand. Bad input or an unusable folder ends the process with status
+        2 and one line.
+    """
     prog = f"aeroscene dataset {type(cfg.action).__module__.rpartition('.')[2]}"
     action = cfg.action
     try:
         status = _RUN[type(action)](action)
+        # After the work, so that the remark is not lost above a long table.
         if isinstance(action, stats.StatsCfg | validate.ValidateCfg | show.ShowCfg):
             mention_part(action.data, action.scenes)
     except (SceneError, SceneNumbersError, WorkerDiedError) as error:

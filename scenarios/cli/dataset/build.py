@@ -1,4 +1,4 @@
-"""`aeroscene dataset build`."""
+"""`aeroscene dataset build`: compose the training corpus in a folder."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ _PROG = "aeroscene dataset build"
 class BuildCfg:
     """Make the corpus: the same scenes, byte for byte, whenever and with however many processes.
 
-    Scenes that are in the folder already, made by the same sources, are kept; so a build that was
-    stopped goes on where it was. Those that other sources made are made again.
+    Scenes in the folder that the same sources made are kept, so that a stopped build continues
+    where it was. Scenes that other sources made are made again.
     """
 
     out: Annotated[Path, OutFolder()] = Path("corpus")
-    """Folder to build in; it is made where there is none."""
+    """Folder to build in; it is made if it is missing."""
     scenes: str = f"0:{CORPUS_SIZE}"
-    """Numbers of scenes, from 0 up: A:B without B, single ones, joined by commas. Beyond the 1,016
-    of the corpus there is no last; every fifth is of the test split."""
+    """Numbers of scenes, from 0 up: A:B without B, single ones, joined by commas. You can go beyond
+    the 1,016 of the corpus as far as you like; every fifth scene is of the test split."""
     jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
@@ -42,7 +42,7 @@ class BuildCfg:
 
 
 def run(cfg: BuildCfg) -> int:
-    """Build and say what was done."""
+    """Make the scenes that are missing or outdated, and print how many were made and kept."""
     # SIGTERM is handled as Ctrl-C is, so that nothing stays half-written.
     signal.signal(signal.SIGTERM, interrupt)
     plan = plan_build(cfg.out, scene_numbers(cfg.scenes))

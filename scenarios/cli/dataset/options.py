@@ -26,15 +26,15 @@ _PROG = "aeroscene dataset"
 JOBS = Range(1, 512)
 """Processes of a command."""
 SHIPPED_NAME = "shipped"
-_USUAL_FOLDER = Path("corpus")
+_USUAL_FOLDER = Path("corpus")  # The default of `dataset build`, so both commands agree.
 
 
 def open_scenes(data: str, scenes: str) -> SceneSet[Any]:
     """Open the scenes of a dataset that a user names, or all of them for an empty text.
 
     Args:
-        data: A folder of a dataset or of scene files, or `shipped`; where it is empty, ./corpus if
-            that is there, else shipped.
+        data: A folder of a dataset or of scene files, or `shipped`. An empty text takes ./corpus if
+            it exists, else shipped.
         scenes: Numbers as `scene_numbers` reads them.
 
     Raises:
@@ -71,11 +71,12 @@ def _select(dataset: SceneSet[Any], scenes: str) -> SceneSet[Any]:
 
 
 def mention_part(data: str, scenes: str) -> None:
-    """Say on standard error where a dataset that a user names without scenes is but a part.
+    """Report on standard error if a dataset holds only a part of the corpus.
 
     Args:
         data: As `open_scenes` takes it.
-        scenes: Who names scenes knows that there are others.
+        scenes: Numbers that the user named. If there are any, nothing is printed, because a user
+            who names scenes knows that there are others.
     """
     folder = Path(data or _USUAL_FOLDER)
     if not (scenes or _is_shipped(data)) and is_dataset(folder):
@@ -83,7 +84,11 @@ def mention_part(data: str, scenes: str) -> None:
 
 
 def mention_shortfall(prog: str, folder: Path) -> None:
-    """Say on standard error where a folder holds but a part of the corpus.
+    """Report on standard error if a folder holds only a part of the corpus.
+
+    Args:
+        prog: Command that names itself in the line.
+        folder: Folder of a dataset.
 
     Raises:
         SceneError: If it holds no dataset.
@@ -98,7 +103,8 @@ def _is_shipped(data: str) -> bool:
 
 
 def _mention_foreign(dataset: Dataset) -> None:
-    """Say on standard error when the present code would make other scenes than those."""
+    """Report on standard error if the present code would make other scenes than those."""
+    # Scenes of other origin, such as generated ones, have no curation to compare.
     curated = [entry for entry in dataset.entries if entry.scene_id.startswith("corpus-")]
     n_foreign = sum(entry.sources != curation_digest() for entry in curated)
     if n_foreign:

@@ -1,4 +1,4 @@
-"""`aeroscene dataset show`."""
+"""`aeroscene dataset show`: a contact sheet of scenes, or one scene in the viewer."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ class ShowCfg:
 
     data: Data = ""
     """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
-    by default the folder corpus where there is one, and else shipped."""
+    by default the folder corpus if there is one, else shipped."""
     scenes: SceneNumbers = ""
-    """Which scenes: A:B without B, single ones, joined by commas; by default twelve, spread."""
+    """Scenes to draw: A:B without B, single ones, joined by commas; by default twelve, spread."""
     out: Annotated[Path, OutFile((".png",))] = Path("sheet.png")
     """PNG file to write."""
     columns: Annotated[int, Range(1, 50)] = 4
@@ -44,7 +44,7 @@ class ShowCfg:
     """Processes; the default is the number of cores."""
     viewer: Literal["off", "auto", "native", "web"] = "off"
     """Open the first of the scenes in rerun instead of drawing: native opens a window, web serves a
-    page on loopback, auto takes the window where there is a display."""
+    page on loopback, auto takes the window if there is a display."""
 
 
 def run(cfg: ShowCfg) -> int:
@@ -65,7 +65,7 @@ def _choose(cfg: ShowCfg) -> SceneSet[Any]:
     dataset = open_scenes(cfg.data, cfg.scenes)
     if cfg.scenes:
         return dataset
-    # Evenly spread numbers would favour a domain, since datasets take the domains in turn.
+    # Datasets take the three domains in turn, so a step that three divides would show one alone.
     step = max(1, len(dataset.entries) // _SAMPLE)
     step += step % 3 == 0 and step > 1
     return dataset.select([e.index for e in dataset.entries[::step][:_SAMPLE]])
@@ -79,6 +79,7 @@ def _check(cfg: ShowCfg, dataset: SceneSet[Any]) -> None:
         )
 
 
+# Opens the first scene; the recording is needed only as long as the viewer is open.
 def _view(dataset: SceneSet[Any], viewer: Literal["auto", "native", "web"]) -> int:
     # Imported here because only this option needs rerun.
     from scenarios.recording.program import RerunMissingError

@@ -1,4 +1,4 @@
-"""`aeroscene dataset stats`."""
+"""`aeroscene dataset stats`: counts of a dataset beside the figures of the paper."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _CATEGORY_COLUMNS = 4
 
 @dataclass(frozen=True, kw_only=True)
 class StatsCfg:
-    """Count what a dataset holds, in the rows of the paper's table and beside its figures.
+    """Count the objects and areas of a dataset, and print them beside the paper's figures.
 
     Domains, categories and diversity follow. The unit of layout distance is the layout's radius:
     the root mean square distance of its objects from their mean, seen from above.
@@ -35,7 +35,7 @@ class StatsCfg:
 
     data: Data = ""
     """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
-    by default the folder corpus where there is one, and else shipped."""
+    by default the folder corpus if there is one, else shipped."""
     beside: Annotated[tuple[Path, ...], default_hint("none")] = ()
     """Neutral layout files (.jsonl or .jsonl.gz) whose diversity is shown beside the dataset's."""
     scenes: SceneNumbers = ""
@@ -48,7 +48,7 @@ class StatsCfg:
 
 
 def run(cfg: StatsCfg) -> int:
-    """Count the scenes and print the statistics."""
+    """Count the scenes and print the statistics as tables or as one JSON object."""
     dataset = open_scenes(cfg.data, cfg.scenes)
     beside = {_set_name(path): _read_layouts(path) for path in cfg.beside}
     found = statistics(dataset, beside, cfg.jobs, progress_bar)
@@ -136,6 +136,7 @@ def _figure(value: float | None, is_average: bool) -> str:
 
 
 def _deviation(row: Row) -> Text:
+    # Totals depend on the number of scenes; only averages can be held against the paper's.
     if row.deviation is None or not row.is_average:
         return styled()
     style = "green" if row.is_met else "bold red"
@@ -149,7 +150,7 @@ def _category_table(categories: Mapping[str, int]) -> Table:
         table.add_column(no_wrap=True)
         table.add_column(justify="right")
     cells = [(name, f"{count:,}") for name, count in categories.items()]
-    n_rows = -(-len(cells) // _CATEGORY_COLUMNS)
+    n_rows = -(-len(cells) // _CATEGORY_COLUMNS)  # rounded up
     for number in range(n_rows):
         table.add_row(*(text for cell in cells[number::n_rows] for text in cell))
     return table

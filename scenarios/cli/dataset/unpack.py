@@ -1,4 +1,4 @@
-"""`aeroscene dataset unpack`."""
+"""`aeroscene dataset unpack`: the scenes of the package as JSON files."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from scenarios.dataset.unpack import unpack_all
 class UnpackCfg:
     """Write the scenes that come with the package as JSON files, one each.
 
-    Their format is that of docs/scenes.md: `--scene FILE.json` opens them again.
+    docs/scenes.md describes their format; `--scene FILE.json` opens them again.
     """
 
     out: Annotated[Path, OutFolder()] = Path("scenes")
-    """Folder to write to; it is made where there is none. Files of the same names are replaced."""
+    """Folder to write to; it is made if it is missing. Files of the same names are replaced."""
     scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     gzip: bool = False
@@ -34,7 +34,7 @@ class UnpackCfg:
 
 
 def run(cfg: UnpackCfg) -> int:
-    """Write the files and say where they are."""
+    """Write the files and print where they are."""
     dataset = open_scenes(SHIPPED_NAME, cfg.scenes)
     suffix = ".json.gz" if cfg.gzip else ".json"
     n_scenes = len(dataset.entries)

@@ -1,4 +1,4 @@
-"""`aeroscene dataset validate`."""
+"""`aeroscene dataset validate`: every rule of a scene checked on every scene of a dataset."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _EXAMPLES = 5
 class ValidateCfg:
     """Check every scene of a dataset against its own rules.
 
-    overlap: boxes that share an IoU above 0.01 though neither carries the other. floating: nothing
-    below or beside it to hold it. outside: beyond the flight volume. unreachable: a start or an
-    area that no drone of its class gets to. unlandable: an area that is not what it claims.
+    overlap: boxes with an IoU above 0.01, neither of which carries the other. floating: nothing
+    below or beside it holds it. outside: beyond the flight volume. unreachable: a start or an area
+    that no drone of its class can reach. unlandable: an area that is not as stated.
 
     Exit status 0 if all is well, 1 with findings or too many bad drops, 2 for files that cannot be
     read.
@@ -36,7 +36,7 @@ class ValidateCfg:
 
     data: Data = ""
     """Folder of a corpus or of scene files, or "shipped" for the scenes that come with the package;
-    by default the folder corpus where there is one, and else shipped."""
+    by default the folder corpus if there is one, else shipped."""
     drops: Annotated[int, Range(0, _MOST_DROPS)] = 0
     """Also let an unpowered Iris fall from 0.3 m on this many random landing areas: it must come
     to rest on them, level within their slope and 2 degrees."""
@@ -45,7 +45,7 @@ class ValidateCfg:
     scenes: SceneNumbers = ""
     """Only these scenes: A:B without B, single ones, joined by commas; all by default."""
     skip_invalid: bool = False
-    """Go on after a file that cannot be read, name it and count it."""
+    """Continue after a file that cannot be read, name it and count it."""
     jobs: Annotated[int, JOBS] = field(default_factory=default_jobs)
     """Processes; the default is the number of cores."""
     json: bool = False
@@ -53,7 +53,11 @@ class ValidateCfg:
 
 
 def run(cfg: ValidateCfg) -> int:
-    """Check everything and print what was found."""
+    """Check every scene, drop vehicles if asked to, and print the findings.
+
+    Returns:
+        0 if there are no findings and enough drops came to rest, else 1.
+    """
     dataset = open_scenes(cfg.data, cfg.scenes)
     with progress_bar("checking scenes", len(dataset.entries)) as advance:
         report = validate_all(dataset, cfg.jobs, advance, skip_invalid=cfg.skip_invalid)
@@ -68,6 +72,7 @@ def run(cfg: ValidateCfg) -> int:
 
 
 def _drop(cfg: ValidateCfg, dataset: SceneSet[Any]) -> DropReport:
+    # Each landing area is used at most once, so there may be fewer drops than asked for.
     n_drops = min(cfg.drops, sum(entry.n_landing for entry in dataset.entries))
     with progress_bar("dropping", n_drops, "drops") as advance:
         return drop_all(dataset, cfg.drops, cfg.seed, cfg.jobs, advance)

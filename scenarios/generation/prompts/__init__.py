@@ -1,4 +1,4 @@
-"""Wishes in words: what a prompt asks for, read without a network or by an endpoint, and measured.
+"""Wishes in words: a prompt is read by a parser or by a language model, and measured on scenes.
 
     found = read_prompt("a crowded harbour street with two cafes")
     found.theme                    # "waterfront"

@@ -1,4 +1,4 @@
-"""Counts the things and relations of a prompt in a scene."""
+"""Numbers of the things and relations of a prompt in a scene."""
 
 from __future__ import annotations
 
@@ -13,7 +13,13 @@ from scenarios.generation.prompts.wishes import Count, Relation
 
 
 def numbers_of(scene: Scene, demands: Sequence[Count]) -> Iterator[tuple[Count, int]]:
-    """Each count and relation with the number that a scene has."""
+    """Yield each count and relation with the number that a scene has.
+
+    Args:
+        scene: Scene to measure.
+        demands: Counts and relations, whose names must be in the vocabulary.
+    """
+    # One finder for all, because it keeps what it has found by name.
     finder = Finder(scene)
     for demand in demands:
         yield demand, _number(finder, demand)
@@ -26,4 +32,5 @@ def _number(finder: Finder, demand: Count) -> int:
     hosts = finder.found(demand.host)
     if demand.relation == "between":
         return int(between(subjects, hosts, finder.found(demand.other or demand.host)).sum())
+    # A subject counts once, however many hosts it stands in the relation to.
     return int(np.any(holds(demand.relation, subjects, hosts), axis=1).sum())

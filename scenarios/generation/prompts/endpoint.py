@@ -1,7 +1,8 @@
-"""A language model reads a prompt: one request to an endpoint that the user names.
+"""Reading of a prompt by a language model, with one request to an endpoint that the user names.
 
-Any server that speaks `chat/completions` as OpenAI's does will do. Its answer is data from a
-stranger: decoded in one typed pass into `Wishes`, its names checked.
+A language model understands more phrases than our parser. Any server that speaks `chat/completions`
+as OpenAI's does will do. Its answer is data from a stranger. It is therefore decoded in one typed
+pass into `Wishes`, as our parser gives them, and every name is checked against the vocabulary.
 """
 
 from __future__ import annotations
@@ -39,9 +40,13 @@ def ask_endpoint(
         prompt: The prompt.
         endpoint: Base address such as `http://127.0.0.1:8080/v1`.
         model: Name of the model there.
-        environment: Where the key is looked for. It is sent over https and to this machine only.
+        environment: Variables among which the key is looked for. The key is sent over https, and
+            without it to this machine only.
         own_themes: Themes of a checkpoint beside those of the vocabulary.
-        most_seconds: Time for the whole answer.
+        most_seconds: Time limit for the whole answer.
+
+    Returns:
+        The wishes. Names that are not in the vocabulary count as not understood.
 
     Raises:
         PromptError: If the endpoint cannot be reached, or its answer cannot be used.
@@ -53,6 +58,7 @@ def ask_endpoint(
         instead="no --prompt-endpoint",
         most_seconds=most_seconds,
     )
+    # `plain` removes control characters and bounds the length of what is sent.
     messages = [
         {"role": "system", "content": instructions(own_themes)},
         {"role": "user", "content": plain(prompt)},
@@ -76,7 +82,7 @@ def _decoded(content: str, endpoint: str) -> Wishes:
 
 
 def _known(wishes: Wishes, own_themes: frozenset[str]) -> Wishes:
-    """The wishes whose names are in the vocabulary; the others count as not understood."""
+    """Return the wishes whose names are in the vocabulary; others become "not understood"."""
     unknown: list[str] = []
 
     def is_known(wish: Count) -> bool:
@@ -89,6 +95,7 @@ def _known(wishes: Wishes, own_themes: frozenset[str]) -> Wishes:
                 return False
         reason = unmeasurable(wish) if isinstance(wish, Relation) else None
         if reason is not None:
+            # 200 characters are the limit of a text in `Wishes`.
             unknown.append(f"{wish.said or wish.title} ({reason})"[:200])
         return reason is None
 

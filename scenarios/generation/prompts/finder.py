@@ -1,4 +1,10 @@
-"""Finds things of the vocabulary in a scene by their hearts and by geometry."""
+"""Finder of things of the vocabulary in a scene, by their hearts and by geometry.
+
+A prompt speaks of a cafe or a marina, but scenes have categories such as kiosk, table and boat.
+`things.toml` therefore defines each thing by a heart, an object of some categories, and by parts
+that must stand about the heart, or by a cluster of several hearts. Geometry decides instead of a
+label, so that a cafe counts in any scene, whoever made it.
+"""
 
 from __future__ import annotations
 
@@ -19,23 +25,30 @@ from scenarios.generation.prompts.relations import holds, within
 from scenarios.generation.prompts.vocabulary import Part, Thing, things
 
 _SAME_LEVEL_M = 0.5
-"""Hearts farther apart in height are not in one cluster."""
+"""Greatest difference of heights within one cluster."""
 
 
 @dataclass
 class Finder:
-    """Finds things in one scene, each name once."""
+    """Finds things in one scene, and keeps the result of each name."""
 
     scene: Scene
     _found: dict[str, Found] = field(default_factory=dict)
 
     @cached_property
     def view(self) -> TopView:
-        """The scene from above."""
+        """Outlines and heights of the scene's objects, seen from above."""
         return TopView(self.scene)
 
     def found(self, name: str) -> Found:
-        """All things of a name of the vocabulary."""
+        """Return all things of a name.
+
+        Args:
+            name: Name of the vocabulary.
+
+        Raises:
+            KeyError: If the vocabulary has no such name.
+        """
         if name not in self._found:
             self._found[name] = self._find(name, things()[name])
         return self._found[name]
@@ -43,6 +56,7 @@ class Finder:
     def _find(self, name: str, thing: Thing) -> Found:
         if thing.hearts:
             hearts = [rows for heart in thing.hearts for rows in self.found(heart).rows]
+            # An object that is the heart by two names counts once.
             found = Found(self.view, tuple(dict.fromkeys(hearts)))
         else:
             found = Found(self.view, self._of_category(name))
@@ -56,20 +70,21 @@ class Finder:
         return found
 
     def _of_category(self, name: str) -> tuple[tuple[int, ...], ...]:
-        """Objects of a category; the tiles of a room are one."""
+        """Return the rows of objects of a category, those of a room's tiles as one thing."""
         rows = self.view.rows({name}) if name in by_name() else ()
         if name not in ROOMS:
             return tuple((int(row),) for row in rows)
         groups = tile_groups(self.scene.objects)
         tiles: dict[int, list[int]] = {}
         for row in map(int, rows):
+            # A tile without a room is a thing of its own: below -1, its key meets no group's.
             tiles.setdefault(int(groups[row]) if groups[row] != NO_ROOM else -2 - row, []).append(
                 row
             )
         return tuple(map(tuple, tiles.values()))
 
     def _is_such(self, row: int, thing: Thing) -> bool:
-        """Whether a heart has the form, the use and the shape of a thing."""
+        """Return true if a heart has the form, the use and the shape of a thing."""
         obj = self.scene.objects[row]
         if thing.form and obj.attributes.get("form") != thing.form:
             return False
@@ -79,7 +94,7 @@ class Finder:
         return long_m >= max(thing.long * short_m, thing.least_m)
 
     def _has(self, found: Found, part: Part) -> Bool[np.ndarray, " n"]:
-        """Whether a part of a thing stands about each heart."""
+        """Return, for each heart, true if enough of a part stand about it."""
         parts = self.found(part.thing)
         if part.relation is None:
             table = within(parts, found, part.within_m)
@@ -89,9 +104,10 @@ class Finder:
 
 
 def _clusters(found: Found, apart_m: float, least: int) -> Found:
-    """Groups of things no farther apart than a distance, of at least so many."""
+    """Return groups of at least `least` things that are linked by gaps of at most `apart_m`."""
     if not len(found):
         return found
+    # Connected components of the graph of near pairs: a long row is one cluster.
     first, second = near_pairs(found.outline, found.outline, apart_m)
     is_level = np.abs(found.base_m[first] - found.base_m[second]) <= _SAME_LEVEL_M
     first, second = first[is_level], second[is_level]

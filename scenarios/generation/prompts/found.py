@@ -21,19 +21,19 @@ class Found:
 
     view: TopView
     rows: tuple[tuple[int, ...], ...]
-    """Rows of the objects that each is made of: one, or the tiles of a room, or a cluster."""
+    """Rows of the objects of each thing: a single one, the tiles of a room, or a cluster."""
 
     def __len__(self) -> int:
         return len(self.rows)
 
     @property
     def first(self) -> np.ndarray:
-        """Row of the first object of each, whose axes are the thing's."""
+        """Row of the first object of each thing; its axes count as the thing's."""
         return np.array([rows[0] for rows in self.rows], dtype=int)
 
     @cached_property
     def outline(self) -> np.ndarray:
-        """Outlines from above."""
+        """Outlines from above, as shapely polygons."""
         outlines = self.view.outline
         return np.array(
             [
@@ -60,7 +60,7 @@ class Found:
 
     @property
     def level_m(self) -> Float[np.ndarray, " n"]:
-        """Heights of what one stands on: the tops, of bridges the decks between the rails."""
+        """Heights of the surfaces to stand on: the tops, but of bridges the decks."""
         objects = self.view.scene.objects
         levels = np.array([level_m(obj.category, obj.bbox) for obj in objects])
         return self._each(levels, max)
@@ -74,16 +74,26 @@ class Found:
         return np.array([choose([values[row] for row in rows]) for rows in self.rows], dtype=float)
 
     def chosen(self, keep: Bool[np.ndarray, " n"]) -> Found:
-        """Some of these."""
+        """Return the things that a mask keeps.
+
+        Args:
+            keep: True for each thing to keep.
+        """
         return Found(
             self.view, tuple(r for r, is_kept in zip(self.rows, keep, strict=True) if is_kept)
         )
 
 
 def is_borne_by(things_: Found, hosts: Found) -> Bool[np.ndarray, "n k"]:
-    """Whether the parent of each thing is an object of each host."""
+    """Return a table that is true if the parent of a thing is an object of a host.
+
+    Args:
+        things_: Things, n of them.
+        hosts: Hosts, k of them.
+    """
     bearer = things_.bearer
     table = np.zeros((len(things_), len(hosts)), dtype=bool)
     for k, rows in enumerate(hosts.rows):
+        # A thing without a parent has no row to compare.
         table[:, k] = np.isin(bearer, rows) & (bearer != NO_PARENT)
     return table

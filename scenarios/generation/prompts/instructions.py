@@ -1,4 +1,8 @@
-"""Instructions for a language model: the task, the vocabulary and the schema of its answer."""
+"""Instructions for a language model: the task, the vocabulary and the schema of its answer.
+
+The vocabulary is in the instructions, so that a model of any size maps words to names that scenes
+know. The rules repeat how our parser reads numbers, so that both readings of a prompt agree.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +36,11 @@ Rules:
 
 @cache
 def instructions(own_themes: frozenset[str] = frozenset()) -> str:
-    """The task for a language model, where a checkpoint may have themes of its own."""
+    """Return the task for a language model.
+
+    Args:
+        own_themes: Themes of a checkpoint beside those of the vocabulary.
+    """
     return _TASK.format(
         themes=", ".join([*places(), *sorted(own_themes - places().keys())]),
         things=", ".join(things()),
@@ -42,5 +50,5 @@ def instructions(own_themes: frozenset[str] = frozenset()) -> str:
 
 @cache
 def schema() -> dict[str, Any]:
-    """JSON schema of the answer."""
+    """Return the JSON schema of the answer, which is that of `Wishes`."""
     return msgspec.json.schema(Wishes)

@@ -1,6 +1,10 @@
-"""Relations of things to hosts, each decided by boxes: tables of things by hosts.
+"""Relations of things to hosts, each decided by boxes, as tables of things by hosts.
 
-| relation | holds where |
+People's prepositions are vague, so each relation has one definition that can be measured on boxes
+and outlines. Everything is vectorised over all pairs, because a scene has hundreds of objects and
+each draw is judged.
+
+| relation | holds if |
 |---|---|
 | on | the middle is over the host and the underside at its top, or the host bears it;
 |    | of buildings: on_roof |
@@ -36,14 +40,14 @@ _WITHIN_M = {
     "around": 5.0,
 }
 _LEVEL_M = 0.5
-"""Heights by which things that share none may miss each other: a kerb, a step."""
+"""Gap in height up to which things still count as being at one level: a kerb, a step."""
 _ON_M = 0.6
 """Height by which an underside may miss the top that it stands on: water, slopes of roofs."""
 _UNDER_M = 0.3
-_ASIDE_M = 2.0
+_ASIDE_M = 2.0  # beyond the host's own width, for "in front of" and "behind"
 _SIDES = 3
-"""Fewest sides that are around something."""
-_ROW_M = 10.0
+"""Fewest sides, of four, on which things are around a host."""
+_ROW_M = 10.0  # length of a row along a long host; a short one needs two thirds of its own
 _BETWEEN_M = 30.0
 _COS_FACING = np.cos(np.pi / 4)
 
@@ -51,10 +55,12 @@ _Table = Bool[np.ndarray, "n k"]
 
 
 def holds(relation: RelationName, subjects: Found, hosts: Found) -> _Table:
-    """Whether each subject stands in a relation to each host; nothing does so to itself.
+    """Return a table that is true if a subject stands in a relation to a host.
+
+    Nothing stands in a relation to itself, nor to a thing that shares an object with it.
 
     Args:
-        relation: Any but `between`.
+        relation: Any but `between`, which takes two hosts.
         subjects: Things, n of them.
         hosts: Things, k of them.
     """
@@ -65,14 +71,26 @@ def holds(relation: RelationName, subjects: Found, hosts: Found) -> _Table:
 
 
 def within(subjects: Found, hosts: Found, within_m: float) -> _Table:
-    """Whether each subject is at most so far from each host at its level, or beneath it."""
+    """Return a table that is true if a subject is near a host at its level, or beneath it.
+
+    Args:
+        subjects: Things, n of them.
+        hosts: Things, k of them.
+        within_m: Greatest distance between the outlines.
+    """
     if not len(subjects) or not len(hosts):
         return np.zeros((len(subjects), len(hosts)), dtype=bool)
     return _is_near(subjects, hosts, within_m) & ~_is_same(subjects, hosts)
 
 
 def between(subjects: Found, hosts: Found, others: Found) -> Bool[np.ndarray, " n"]:
-    """Whether each subject is between a host and another one."""
+    """Return, for each subject, true if it is between a host and another one.
+
+    Args:
+        subjects: Things, n of them.
+        hosts: Things that may be the first host.
+        others: Things that may be the second host; the same as `hosts` for "between two houses".
+    """
     found = np.zeros(len(subjects), dtype=bool)
     if not len(subjects):
         return found
@@ -91,7 +109,7 @@ def between(subjects: Found, hosts: Found, others: Found) -> Bool[np.ndarray, " 
 def _on(subjects: Found, hosts: Found, _within_m: float) -> _Table:
     at_top = np.abs(subjects.base_m[:, None] - hosts.level_m) <= _ON_M
     is_on = _is_over(subjects, hosts) & (at_top | is_borne_by(subjects, hosts))
-    # What is on a building is on its roof, and what it bears may be a room.
+    # "On" a building means on its roof. Its children do not count, since they may be its rooms.
     return np.where(_is_of(hosts, SHELLS), _on_roof(subjects, hosts, 0.0), is_on)
 
 
@@ -105,6 +123,7 @@ def _on_roof(subjects: Found, hosts: Found, _within_m: float) -> _Table:
 
 
 def _under(subjects: Found, hosts: Found, _within_m: float) -> _Table:
+    # 5 cm of tolerance, for a subject that is as high as its host.
     is_lower = subjects.top_m[:, None] <= hosts.top_m + 0.05
     is_below = subjects.base_m[:, None] <= hosts.top_m - _UNDER_M
     return _is_over(subjects, hosts) & is_lower & is_below & ~_is_of(hosts, SHELLS)
@@ -114,6 +133,7 @@ def _inside(subjects: Found, hosts: Found, _within_m: float) -> _Table:
     is_high = subjects.base_m[:, None] >= hosts.base_m - _UNDER_M
     is_low = subjects.top_m[:, None] <= hosts.top_m + _UNDER_M
     is_held = _is_over(subjects, hosts) & is_high & is_low
+    # Ground has hardly a height to be inside of: "in the park" means on it.
     return np.where(_is_of(hosts, GROUND), _on(subjects, hosts, 0.0), is_held)
 
 
@@ -135,6 +155,7 @@ def _facing(subjects: Found, hosts: Found, within_m: float) -> _Table:
     ).reshape(len(subjects), len(hosts), 2, 2)
     away = to_host[:, :, 1] - to_host[:, :, 0]
     far_m = np.linalg.norm(away, axis=2)
+    # The angle between the subject's front and the nearest point of the host's outline.
     forward = subjects.view.forward[subjects.first]
     along_m = np.einsum("nki,ni->nk", away, forward)
     return (along_m >= _COS_FACING * far_m) & _next_to(subjects, hosts, within_m)
@@ -146,6 +167,7 @@ def _along(subjects: Found, hosts: Found, within_m: float) -> _Table:
     half_m = hosts.view.arrays.size_m[hosts.first, :2] / 2
     is_long_x = half_m[:, 0] >= half_m[:, 1]
     place_m = np.where(is_long_x, along, across)
+    # One thing at a long host is not "along" it: the row must stretch over part of its length.
     for k in range(len(hosts)):
         stretch_m = np.ptp(place_m[table[:, k], k]) if table[:, k].any() else 0.0
         least_m = min(_ROW_M, 4.0 * half_m[k].max() / 3.0)
@@ -156,6 +178,7 @@ def _along(subjects: Found, hosts: Found, within_m: float) -> _Table:
 def _around(subjects: Found, hosts: Found, within_m: float) -> _Table:
     table = _next_to(subjects, hosts, within_m)
     along, across = _own_axes(subjects, hosts)
+    # Quarters of the circle about the host's own axes: 0 front, 1 left, 2 back, 3 right.
     side = np.round(np.arctan2(across, along) / (np.pi / 2)).astype(int) % 4
     for k in range(len(hosts)):
         table[:, k] &= len(set(side[table[:, k], k])) >= _SIDES
@@ -179,12 +202,13 @@ _JUDGES = {
 
 
 def _is_over(subjects: Found, hosts: Found) -> _Table:
-    """Whether the middle of each subject lies within the outline of each host."""
+    """Return a table that is true if the middle of a subject is in the outline of a host."""
     return shapely.covers(hosts.outline[None], subjects.centre[:, None])
 
 
 def _is_near(subjects: Found, hosts: Found, within_m: float) -> _Table:
-    """Whether outlines are at most so far apart, of things at one level."""
+    """Return a table that is true if outlines are near, and the things are at one level."""
+    # The heights that both share; negative is the gap between them.
     low_m = np.maximum(subjects.base_m[:, None], hosts.base_m)
     high_m = np.minimum(subjects.top_m[:, None], hosts.top_m)
     apart_m = shapely.distance(subjects.outline[:, None], hosts.outline[None])
@@ -192,7 +216,7 @@ def _is_near(subjects: Found, hosts: Found, within_m: float) -> _Table:
 
 
 def _is_off_side(subjects: Found, hosts: Found, within_m: float, sign: float) -> _Table:
-    """Whether subjects stand off the front of hosts, or off the back for a negative sign."""
+    """Return a table of subjects off the front of hosts, or off the back for a negative sign."""
     along, across = _own_axes(subjects, hosts)
     half_m = hosts.view.arrays.size_m[hosts.first, :2] / 2
     is_before = sign * along > half_m[:, 0]
@@ -203,7 +227,7 @@ def _is_off_side(subjects: Found, hosts: Found, within_m: float, sign: float) ->
 def _own_axes(
     subjects: Found, hosts: Found
 ) -> tuple[Float[np.ndarray, "n k"], Float[np.ndarray, "n k"]]:
-    """Coordinates of the subjects' middles on the x and y axes of each host's first box, m."""
+    """Return the middles of subjects, in m, on the x and y axes of each host's first box."""
     view, rows = hosts.view, hosts.first
     away = shapely.get_coordinates(subjects.centre)[:, None] - view.centre_m[rows]
     return (
@@ -218,7 +242,7 @@ def _is_of(hosts: Found, categories: frozenset[str]) -> Bool[np.ndarray, " k"]:
 
 
 def _is_same(subjects: Found, hosts: Found) -> _Table:
-    """Whether a subject shares an object with a host."""
+    """Return a table that is true if a subject shares an object with a host."""
     return np.array(
         [[not set(rows).isdisjoint(other) for other in hosts.rows] for rows in subjects.rows],
         dtype=bool,

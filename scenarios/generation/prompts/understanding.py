@@ -1,4 +1,9 @@
-"""Options that follow from a prompt, given the user's options and the themes of a checkpoint."""
+"""Options that follow from a prompt, given the user's options and the themes of a checkpoint.
+
+Three sources may speak of one option. The user's own options win over the prompt, and a checkpoint
+can only draw the themes of its corpus. Every change is noted in a line that the user reads, because
+a wish that is dropped silently looks like a fault of the model.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +30,12 @@ _OPTIONS = (
     "difficulty",
 )
 _EXCLUDED = {"objects": "density", "density": "objects"}
-"""Options that leave no room for another."""
+"""Options that exclude each other: both decide on the number of objects."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Understanding:
-    """A prompt as it was understood."""
+    """A prompt as it was understood, with the options that follow from it."""
 
     prompt: str
     wishes: Wishes
@@ -41,7 +46,7 @@ class Understanding:
 
     @property
     def rows(self) -> list[tuple[str, str]]:
-        """Words of the prompt with the wish that they became."""
+        """Words of the prompt, each with the wish that they became."""
         said = {each.option: each.said for each in self.wishes.readings}
         options = [
             (said.get(name, ""), f"{spoken(name)}: {value}") for name, value in self.options.items()
@@ -55,7 +60,7 @@ class Understanding:
         return tuple(map(visible, self.wishes.not_understood))
 
     def to_plain(self) -> dict[str, Any]:
-        """The understanding as plain data."""
+        """Return the understanding as plain data: prompt, wishes, notes and not_understood."""
         return {
             "prompt": visible(self.prompt),
             "wishes": [{"said": said, "wish": wish} for said, wish in self.rows],
@@ -71,7 +76,7 @@ def understood(
 
     Args:
         prompt: The prompt.
-        wishes: What it asks for.
+        wishes: Wishes that were read from it.
         given: Options that the user gave, by name; they win.
         themes: Themes that the checkpoint knows; None while it is not loaded.
     """
@@ -95,6 +100,7 @@ def understood(
 def _options(wishes: Wishes) -> dict[str, Any]:
     found = {**msgspec.structs.asdict(wishes), "min_passage": wishes.min_passage_m}
     options = {name: found[name] for name in _OPTIONS if found[name] is not None}
+    # As texts, because these options are texts on the command line.
     if wishes.outline_m is not None:
         options["outline"] = ",".join(f"{side:g}" for side in wishes.outline_m)
     if "areas" in options:
@@ -105,10 +111,11 @@ def _options(wishes: Wishes) -> dict[str, Any]:
 def _yield_to(
     options: dict[str, Any], given: Mapping[str, Any], themes: Themes, notes: list[str]
 ) -> None:
-    """Drop the prompt's theme or domain where the other one was given and does not go with it."""
+    """Drop the prompt's theme or domain if the user gave the other one and the two do not match."""
     for name, other in (("domain", "theme"), ("theme", "domain")):
         if name not in given or other not in options:
             continue
+        # Unknown themes are not dropped here: `_settle_theme` finds the nearest for them.
         pair = {name: given[name], other: options[other]}
         known = {theme for group in themes.values() for theme in group}
         if pair["theme"] in known and pair["theme"] not in themes.get(pair["domain"], ()):
@@ -123,7 +130,7 @@ def _settle_theme(
     themes: Themes,
     notes: list[str],
 ) -> None:
-    """Replace a theme that the checkpoint does not know by the nearest, and add a usual one."""
+    """Replace a theme that the checkpoint does not know, or add one that fits the things."""
     known = {theme for group in themes.values() for theme in group}
     asked = options.get("theme")
     if asked is not None and asked not in known:
@@ -149,16 +156,18 @@ def _settle_domain(
     themes: Themes,
     notes: list[str],
 ) -> None:
-    """Choose a domain in which all that is asked for can stand."""
+    """Choose a domain in which everything that is asked for can stand."""
     if "domain" in options or {"domain", "complete", "redo"} & given.keys():
         return
     needed = [(each.thing, domains_of(each.thing)) for each in wishes.demands if each.least]
+    # Only things that stand in a single domain decide, such as a sofa.
     only = {next(iter(places_)): name for name, places_ in needed if len(places_) == 1}
     if not only:
         return
     domain = next(iter(only)) if len(only) == 1 else "mixed"
     theme = options.get("theme", given.get("theme"))
     if theme is not None:
+        # A theme restricts the choice: an outdoor one gets rooms only if it exists as mixed.
         has_theme = [each for each, group in themes.items() if theme in group]
         if "indoor" not in only or "indoor" in has_theme or "mixed" not in has_theme:
             return
@@ -171,7 +180,7 @@ def _settle_domain(
 
 
 def _nearest(theme: str) -> list[str]:
-    """Themes by how like they are to one, along the table's own lists."""
+    """Return themes like one, the most similar first, and behind them those like these."""
     found = list(places()[theme].nearest) if theme in places() else []
     for each in tuple(found):
         found += [other for other in places()[each].nearest if other not in found]
@@ -184,7 +193,7 @@ def _of_domain(themes: Themes, options: Mapping[str, Any], given: Mapping[str, A
 
 
 def _usual(wishes: Wishes, themes: Collection[str]) -> tuple[str, str] | None:
-    """A theme that something asked for is usual in, and the thing."""
+    """Return a theme in which one of the things is usual, and that thing; None if there is none."""
     for each in wishes.demands:
         for theme in things()[each.thing].themes if each.least else ():
             if theme in themes:

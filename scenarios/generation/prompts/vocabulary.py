@@ -1,4 +1,8 @@
-"""The vocabulary of prompts: things and places with their words, read from the tables beside it."""
+"""The vocabulary of prompts: things and places with their words, read from the tables beside it.
+
+The tables are TOML, so that a word can be added without a line of code. Every category of the
+catalogue is a thing by itself; `things.toml` adds synonyms, and things of several objects.
+"""
 
 from __future__ import annotations
 
@@ -22,23 +26,23 @@ from aeroscene.scene.catalogue import (
 from scenarios.generation.prompts.wishes import Relation, RelationName, named, spoken
 
 _FOLDER = Path(__file__).parent
-_ES = ("s", "x", "z", "ch", "sh")
+_ES = ("s", "x", "z", "ch", "sh")  # endings of nouns whose plural ends in -es
 _SAME = frozenset(("grass", "steps", "greenery", "railings", "parking"))
 """Nouns that are their own plural."""
 
 
 class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Objects that must stand about the heart of a thing."""
+    """Objects that must stand about the heart of a thing, such as chairs about a table."""
 
     thing: str
     least: int
     relation: RelationName | None = None
-    """None is anywhere within the distance at the same level, beneath the heart as well."""
+    """Relation to the heart; None is any place within the distance, at its level or beneath it."""
     within_m: float = 0.0
 
 
 class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Something that can be asked for and found in a scene; `things.toml` says what fields mean."""
+    """A thing that can be asked for and found in a scene; `things.toml` explains the fields."""
 
     words: tuple[str, ...] = ()
     hearts: tuple[str, ...] = ()
@@ -53,7 +57,7 @@ class Thing(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A theme and its words; `themes.toml` says what fields mean."""
+    """A theme and its words; `themes.toml` explains the fields."""
 
     words: tuple[str, ...]
     weak: tuple[str, ...] = ()
@@ -64,22 +68,26 @@ class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 @cache
 def things() -> Mapping[str, Thing]:
-    """Everything that can be asked for by name: all categories, and what the table has beside."""
+    """Return all things by name: every category, and those that the table adds."""
     table = msgspec.toml.decode((_FOLDER / "things.toml").read_bytes(), type=dict[str, Thing])
     found = {name: table.get(name, Thing()) for name in by_name()}
-    # A thing that a later catalogue has no category for any more is none.
+    # A thing whose category a later catalogue drops is left out, rather than failing to load.
     return found | {name: each for name, each in table.items() if _is_known(name, table)}
 
 
 @cache
 def places() -> Mapping[str, Place]:
-    """Words of each theme."""
+    """Return the words of each theme, by the theme's name."""
     return msgspec.toml.decode((_FOLDER / "themes.toml").read_bytes(), type=dict[str, Place])
 
 
 @cache
 def categories_of(name: str) -> frozenset[str]:
-    """Categories of the objects that may be the heart of a thing."""
+    """Return the categories of the objects that may be the heart of a thing.
+
+    Args:
+        name: Name of the vocabulary.
+    """
     thing = things()[name]
     if not thing.hearts:
         return frozenset({name})
@@ -88,14 +96,22 @@ def categories_of(name: str) -> frozenset[str]:
 
 @cache
 def has_front(name: str) -> bool:
-    """Whether a thing has a front, so that something can be behind it."""
+    """Return true if a thing has a front, so that something can be in front of it or behind it.
+
+    Args:
+        name: Name of the vocabulary.
+    """
     thing = things()[name]
     frontless = COVERS | LEAFY | ROUND | TWO_SIDED
     return not thing.cluster_m and categories_of(name).isdisjoint(frontless)
 
 
 def unmeasurable(wish: Relation) -> str | None:
-    """Why a relation cannot be measured; None where it can."""
+    """Return why a relation cannot be measured, None if it can.
+
+    Args:
+        wish: Relation whose names are in the vocabulary. For example, nothing is behind a tree.
+    """
     if wish.relation in {"in_front_of", "behind"} and not has_front(wish.host):
         return f"{named(wish.host)} has no front"
     if wish.relation == "facing" and not has_front(wish.thing):
@@ -105,7 +121,14 @@ def unmeasurable(wish: Relation) -> str | None:
 
 @cache
 def domains_of(name: str) -> frozenset[str]:
-    """Domains in which a thing may stand, by the supports of its hearts."""
+    """Return the domains in which a thing may stand, by the supports of its hearts.
+
+    Args:
+        name: Name of the vocabulary.
+
+    Returns:
+        "indoor", "outdoor" or both.
+    """
     found: set[str] = set()
     for category in categories_of(name):
         carried_by = set(by_name()[category].supports)
@@ -117,17 +140,29 @@ def domains_of(name: str) -> frozenset[str]:
 
 
 def phrases(name: str, words: Sequence[str]) -> dict[str, bool]:
-    """Words for something with whether each is a plural, those of its name among them."""
+    """Return the words for a thing, each with whether it is a plural.
+
+    Args:
+        name: Name of the thing, which is one of its words.
+        words: Its other words in the singular.
+    """
     own = [spoken(name), *words]
     return {plural(each): True for each in own} | dict.fromkeys(own, False)
 
 
 def plural(words: str) -> str:
-    """Plural of a noun phrase, whose noun is the last word before `of`, `with` or `and`."""
+    """Return the plural of a noun phrase.
+
+    The noun is the last word before `of`, `with` or `and`: "row of trees" becomes "rows of trees".
+
+    Args:
+        words: Noun phrase in the singular.
+    """
     for joint in (" of ", " with ", " and "):
         head, found, rest = words.partition(joint)
         if found:
             return f"{plural(head)}{joint}{rest}"
+    # Only the last word changes: "street lamp" becomes "street lamps".
     before, _, noun = words.rpartition(" ")
     if noun in _SAME:
         many = noun
@@ -146,6 +181,7 @@ def _is_known(name: str, table: Mapping[str, Thing]) -> bool:
     thing = table[name]
     if not thing.hearts:
         return name in by_name()
+    # A thing is known if everything that it is made of is known, down to the catalogue.
     others = (*thing.hearts, *(part.thing for part in thing.parts))
     return all(
         other in by_name() or (other in table and _is_known(other, table)) for other in others

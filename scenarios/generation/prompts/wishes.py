@@ -1,4 +1,9 @@
-"""Wishes of a prompt as data. Our parser and a language model give the same structure."""
+"""Wishes of a prompt as data.
+
+Our parser and a language model give the same structure, so everything behind them is written once.
+Types bound every text and number, because a language model's answer is decoded straight into them.
+`checked` then refuses wishes that contradict each other.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +17,7 @@ from aeroscene.ranges import Range
 from aeroscene.scene import SceneDomain, SceneError
 
 MOST_COUNT = int(OBJECTS.high)
-"""Largest count of one thing: a scene has no more objects."""
+"""Largest count of one thing, because a scene has no more objects."""
 COUNTS = Range(0, MOST_COUNT)
 """Numbers of one thing that can be asked for."""
 _MOST_WISHES = 24
@@ -38,7 +43,7 @@ RelationName = Literal[
 
 
 class PromptError(SceneError):
-    """A prompt that cannot be met or read; one line with what it asks for and what is valid."""
+    """A prompt cannot be read or met; the message says what it asks for and what is valid."""
 
 
 class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -48,7 +53,7 @@ class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Name of the vocabulary."""
     least: _Whole = 1
     most: _Whole | None = None
-    """None sets no limit."""
+    """Greatest number; None sets no limit."""
     said: _Words = ""
     """Words of the prompt that it comes from."""
 
@@ -67,11 +72,18 @@ class Count(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return spoken(self.thing)
 
     def is_met(self, n: int) -> bool:
-        """Whether a number is one that is asked for."""
+        """Return true if a number of things lies within the limits."""
         return self.least <= n and (self.most is None or n <= self.most)
 
     def off(self, n: int) -> float:
-        """By which share of what is asked for a number misses it."""
+        """Return by how much a number misses the limits, as a share of the least number.
+
+        Args:
+            n: Number of things in a scene.
+
+        Returns:
+            0 within the limits. For example, 1 of at least 4 is off by 0.75.
+        """
         above = n - self.most if self.most is not None else 0
         return max(self.least - n, above, 0) / max(1, self.least)
 
@@ -103,14 +115,14 @@ class Reading(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Wishes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """Everything that a prompt asks for; None and empty where it is silent."""
+    """Everything that a prompt asks for; None and empty stand for what it leaves open."""
 
     domain: SceneDomain | None = None
     theme: _Name | None = None
     objects: _Whole | None = None
-    """About so many, coarse and fine."""
+    """Approximate number of objects, coarse and fine."""
     areas: _Whole | None = None
-    """Landing areas, at most."""
+    """Greatest number of landing areas."""
     density: float | None = None
     clutter: float | None = None
     outline_m: tuple[float, float] | None = None
@@ -120,32 +132,35 @@ class Wishes(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     counts: Annotated[tuple[Count, ...], msgspec.Meta(max_length=_MOST_WISHES)] = ()
     relations: Annotated[tuple[Relation, ...], msgspec.Meta(max_length=_MOST_WISHES)] = ()
     readings: Annotated[tuple[Reading, ...], msgspec.Meta(max_length=_MOST_WISHES)] = ()
-    """Words from which the options above come."""
+    """Words from which the options above follow."""
     not_understood: Annotated[tuple[_Words, ...], msgspec.Meta(max_length=4 * _MOST_WISHES)] = ()
 
     @property
     def demands(self) -> tuple[Count, ...]:
-        """Counts and relations: what is measured on every draw."""
+        """Counts and relations, which are measured on every draw."""
         return (*self.counts, *self.relations)
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing is asked for."""
+        """True if nothing is asked for; words that were not understood do not count."""
         return msgspec.structs.replace(self, readings=(), not_understood=()) == Wishes()
 
 
 def spoken(name: str) -> str:
-    """A name as people write it: `street_lamp` is `street lamp`."""
+    """Return a name as people write it: `street_lamp` becomes `street lamp`."""
     return name.replace("_", " ")
 
 
 def named(name: str) -> str:
-    """A name with its article."""
+    """Return a name with its article: `an apple tree`."""
     return f"{'an' if name[0] in 'aeiou' else 'a'} {spoken(name)}"
 
 
 def checked(wishes: Wishes) -> Wishes:
     """Return the wishes, with counts of the same thing joined.
+
+    Args:
+        wishes: Wishes as they were read.
 
     Raises:
         PromptError: If a number is out of its range, or two wishes contradict each other.
@@ -174,7 +189,7 @@ def _require_ranges(wishes: Wishes) -> None:
 
 
 def _joined(demands: tuple[T, ...]) -> tuple[T, ...]:
-    """One demand for each title: what all those of that title ask for."""
+    """Return one demand for each title, which meets all demands of that title."""
     found: dict[str, T] = {}
     for each in demands:
         _require_number(each)
@@ -202,6 +217,7 @@ def _both(first: T, second: T) -> T:
             f"prompt asks for {first.number} and for {second.number} of {first.title}; "
             "valid: one of the two"
         )
+    # Both words are kept within the limit of a text, so that the user sees where they come from.
     said = ", ".join(dict.fromkeys(filter(None, (first.said, second.said))))[:200]
     return msgspec.structs.replace(first, least=least, most=most, said=said)
 
@@ -210,12 +226,14 @@ def _faults(wishes: Wishes) -> Iterator[str]:
     """Yield a line for each contradiction between wishes."""
     limits = {each.thing: each.most for each in wishes.counts if each.most is not None}
     for each in wishes.relations:
+        # A relation with a subject needs a host, but one host is enough for all.
         for name, least in ((each.thing, each.least), (each.host, min(each.least, 1))):
             if limits.get(name, least) < least:
                 yield (
                     f"prompt asks for {each.number} of {each.title} and for at most "
                     f"{limits[name]} {spoken(name)}; valid: one of the two"
                 )
+    # Each counted thing needs an object at least. Subjects of relations may be among them.
     least = sum(each.least for each in wishes.counts)
     most = MOST_COUNT if wishes.objects is None else wishes.objects
     if least > most:

@@ -1,4 +1,4 @@
-"""A flight as a film: the vehicle from behind, and what its cameras see, rendered anew."""
+"""A flight as a film: the vehicle from behind and the views of its cameras, rendered anew."""
 
 from scenarios.pictures.film.film import SUFFIXES, draw_film
 

@@ -1,8 +1,8 @@
 """Encoding of pictures as a film or an animation.
 
-VP9 in MP4 or VP8 in WebM by the FFmpeg within OpenCV: browsers play both, and no library is needed
-that the product does not have. (Wheels that encode H.264 carry x264, which is under the GPL.) At
-864 x 432 a picture takes 0.15 s of a core as VP9 and 0.05 s as VP8, which is twice as large.
+A video is VP9 in MP4 or VP8 in WebM, written by the FFmpeg within OpenCV. Browsers play both, and
+OpenCV is a dependency already. Wheels that encode H.264 carry x264, which is under the GPL. At 864
+x 432, a picture takes 0.15 s of a core as VP9. As VP8 it takes 0.05 s and twice the bytes.
 """
 
 from __future__ import annotations
@@ -22,23 +22,29 @@ from scenarios.pictures.lettering import Picture
 
 _WEBP_QUALITY = 55
 _ERRORS_ALONE = 2
-"""OpenCV's level of messages."""
+"""Level of OpenCV's log that prints errors only."""
 
 
 def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     """Write a video, whole or not at all.
 
+    Args:
+        pictures: Pictures of one size, at least one; they are taken one at a time.
+        fps: Pictures in a second.
+        out: File to write; its ending chooses the codec.
+
     Raises:
         OSError: If it cannot be written.
     """
-    # Otherwise FFmpeg prints what it thinks of a film that a full disk has cut short.
+    # Otherwise FFmpeg prints its own messages about a film that a full disk has cut short.
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     import cv2
 
-    # OpenCV says the same of each picture that does not get there.
+    # OpenCV would otherwise print a warning for each picture that is not written.
     cv2.utils.logging.setLogLevel(_ERRORS_ALONE)
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=".film-") as folder:
         first = next(pictures)
+        # These codecs halve the resolution of colours, so sides must be even.
         height, width = (edge - edge % 2 for edge in first.shape[:2])
         draft = Path(folder) / out.name
         codec = cv2.VideoWriter.fourcc(*"VP80" if out.suffix == ".webm" else "vp09")
@@ -47,6 +53,7 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
             raise OSError("OpenCV has no encoder for it here")
         n_pictures = 0
         for picture in itertools.chain([first], pictures):
+            # OpenCV's colours are blue, green, red.
             writer.write(np.ascontiguousarray(picture[:height, :width, ::-1]))
             n_pictures += 1
         writer.release()
@@ -55,7 +62,7 @@ def write_video(pictures: Iterator[Picture], fps: float, out: Path) -> None:
 
 
 def _require_whole(video: Path, n_pictures: int) -> None:
-    """Count the pictures in a video, since OpenCV's writer says nothing of a full disk.
+    """Count the pictures in a video, because OpenCV's writer does not report a full disk.
 
     Raises:
         OSError: If some are missing.
@@ -73,6 +80,11 @@ def _require_whole(video: Path, n_pictures: int) -> None:
 
 def write_animation(pictures: Iterator[Picture], fps: float, out: Path) -> None:
     """Write a WebP or GIF that loops, whole or not at all.
+
+    Args:
+        pictures: Pictures of one size, at least one; all are kept in memory.
+        fps: Pictures in a second.
+        out: File to write; its ending chooses the format.
 
     Raises:
         OSError: If it cannot be written.

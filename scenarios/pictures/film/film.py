@@ -1,4 +1,8 @@
-"""Renders a recorded flight: from behind on the left, the vehicle's cameras on the right."""
+"""Film of a recorded flight: from behind on the left, the vehicle's cameras on the right.
+
+The pictures are rendered anew from the recorded poses. A film therefore needs no camera that ran in
+the flight, nor a recording with camera images, which is many times larger.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +23,21 @@ from scenarios.recording.chase import FOV_RAD, ChaseEye
 SUFFIXES = (".mp4", ".webm", ".webp", ".gif")
 _VIDEO_PX, _VIDEO_FPS = 432, 20.0
 _LOOP_PX, _LOOP_FPS, _LOOP_SPEED = 324, 10.0, 2.0
-"""Width, frame rate and speed of an animation on a page, where every byte is loaded."""
+"""Height, frame rate and speed of an animation on a page, where every byte is loaded."""
 _WORDS_PX = 36
-"""Height of the picture divided by that of a caption."""
+"""Height of a picture divided by the height of its caption."""
 
 
 def draw_film(recording: Path, out: Path, on_frame: Callable[[int, int], None]) -> None:
-    """Film a recorded flight anew; no camera needs to have run in it.
+    """Render a recorded flight as a film; no camera needs to have run in it.
 
     Args:
         recording: An .rrd file of a flight.
         out: File to write, whole or not at all: .mp4 or .webm to play, .webp or .gif for a page.
-        on_frame: Called with each picture's number, from 1, and how many there are.
+        on_frame: Called with each picture's number, from 1, and the number of all pictures.
 
     Raises:
-        UnreadableRecordingError: If the recording is missing or none.
+        UnreadableRecordingError: If the file is missing or no recording.
         PictureError: If it holds no flight, or the film cannot be written.
     """
     if out.suffix not in SUFFIXES:
@@ -62,6 +66,7 @@ def draw_film(recording: Path, out: Path, on_frame: Callable[[int, int], None]) 
 def _pictures(reel: Reel, height_px: int, step_s: float) -> Iterator[Picture]:
     world = reel.world
     cameras = [mount.name for mount in world.airframe.rgbd_cameras]
+    # A single camera fills half of the height, so that the film keeps its shape.
     small_px = height_px // max(2, len(cameras))
     with ExitStack() as stack:
 
@@ -72,6 +77,7 @@ def _pictures(reel: Reel, height_px: int, step_s: float) -> Iterator[Picture]:
         behind, aboard = renderer(height_px), renderer(small_px)
         eye: ChaseEye | None = None
         for moment in reel.play(step_s):
+            # The eye begins behind the first attitude, which is known with the first moment.
             eye = eye or ChaseEye(world, yaw_from_quat(moment.data.qpos[3:7]))
             place = eye.follow(moment.position_enu_m, moment.velocity_enu_mps, step_s)
             target = tuple(moment.position_enu_m.tolist())
@@ -87,7 +93,7 @@ def _words(moment: Moment) -> str:
 
 
 def _stacked(names: list[str], pictures: list[Picture], height_px: int) -> Picture:
-    """Named pictures above each other, with paper below where they do not fill the height."""
+    """Return pictures with their names above each other, with black below if height is left."""
     named = [_named(picture, name) for name, picture in zip(names, pictures, strict=True)]
     left_px = height_px - sum(len(picture) for picture in named)
     return np.vstack([*named, np.zeros((left_px, named[0].shape[1], 3), np.uint8)])

@@ -1,4 +1,4 @@
-"""Poses of vehicle and movers at each moment of a film, read from a recording."""
+"""Poses of the vehicle and of movers at each moment of a film, read from a recording."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from scenarios.recording.summary import facts_of, readable
 
 _WANTED = (layout.VEHICLE, layout.TRAFFIC, layout.PHASE, layout.SCENE_DOCUMENT)
 _BEFORE_S = 1.5
-"""Time from the beginning of a film to the vehicle's motion, and from its rest to the end."""
+"""Time of the film before the vehicle begins to move, and after it has come to rest."""
 _MOVED_M = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Poses:
-    """Poses of one thing, in order of time."""
+    """Poses of the vehicle or of one mover, in order of time."""
 
     time_us: Int[np.ndarray, " n"]
     position_enu_m: Float[np.ndarray, "n 3"]
     quat_wxyz: Float[np.ndarray, "n 4"]
 
     def at(self, time_us: int) -> int:
-        """The last row at or before a time."""
+        """Return the last row at or before a time, or the first row if all are later."""
         return max(0, int(np.searchsorted(self.time_us, time_us, side="right")) - 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Moment:
-    """One picture of the film: the world is as it was then."""
+    """Moment of one picture of the film, with the state of the world."""
 
     time_s: float
     phase: str
@@ -58,7 +58,10 @@ class Reel:
     """
 
     def __init__(self, path: Path) -> None:
-        """Read a recording.
+        """Read a recording and build its world.
+
+        Args:
+            path: File of a recorded flight.
 
         Raises:
             UnreadableRecordingError: If it is missing or no recording.
@@ -68,6 +71,7 @@ class Reel:
             rows = RecordedRows(source, _WANTED)
         run = rows.properties.get(layout.RUN_PROPERTY, {})
         bench = facts_of(run, "config", path).get("bench", {})
+        # The same traffic from the same seed has the same shapes; poses come from the recording.
         traffic = TrafficCfg.parse(bench.get("traffic", "none"), run.get("seed", 0))
         self.world: World = build_world(
             read_scene(rows, path), read_airframe(rows, path), traffic=traffic
@@ -81,7 +85,11 @@ class Reel:
         self._phases = [(t, row[0]) for t, row in rows.rows(layout.PHASE, "StateChange:state")]
 
     def times_us(self, step_s: float) -> Int[np.ndarray, " n"]:
-        """Times of the pictures, from shortly before the flight to shortly after."""
+        """Return the times of the pictures, from shortly before the flight to shortly after.
+
+        Args:
+            step_s: Time from one picture to the next.
+        """
         vehicle = self._vehicle
         away_m = [
             np.linalg.norm(vehicle.position_enu_m - vehicle.position_enu_m[end], axis=1)
@@ -94,11 +102,18 @@ class Reel:
         return np.arange(max(low_us, begin_us), min(high_us, end_us) + 1, round(1e6 * step_s))
 
     def play(self, step_s: float) -> Iterator[Moment]:
-        """The moments of a film; each takes the place of the one before."""
+        """Yield the moments of a film.
+
+        All moments share one `data`, so use each before you take the next.
+
+        Args:
+            step_s: Time from one picture to the next.
+        """
         data, vehicle = self.world.new_data(), self._vehicle
         for time_us in self.times_us(step_s).tolist():
             row = vehicle.at(time_us)
             before = max(0, row - 1)
+            # At least a microsecond, because the first row has no row before it.
             since_s = max(1, int(vehicle.time_us[row] - vehicle.time_us[before])) * 1e-6
             data.qpos[:3], data.qpos[3:7] = vehicle.position_enu_m[row], vehicle.quat_wxyz[row]
             for mover, poses in enumerate(self._movers):
@@ -106,8 +121,10 @@ class Reel:
                     seen = poses.at(time_us)
                     data.mocap_pos[mover] = poses.position_enu_m[seen]
                     data.mocap_quat[mover] = poses.quat_wxyz[seen]
+            # Renderers and the chase eye need positions of bodies, not of joints.
             mujoco.mj_forward(self.world.model, data)
             moved_m = vehicle.position_enu_m[row] - vehicle.position_enu_m[before]
+            # Each phase holds until the next one, so the last that has begun counts.
             phases = [phase for since_us, phase in self._phases if since_us <= time_us]
             yield Moment(
                 time_s=time_us * 1e-6,
@@ -121,6 +138,7 @@ class Reel:
 def _poses(rows: RecordedRows, entity: str) -> Poses:
     time_us, position_enu_m = rows.vectors(entity, "Transform3D:translation")
     _, quat_xyzw = rows.vectors(entity, "Transform3D:quaternion", width=4)
+    # A truncated file may lack the last rows of one of the two.
     n = min(len(position_enu_m), len(quat_xyzw))
     return Poses(
         time_us=time_us[:n],

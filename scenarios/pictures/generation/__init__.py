@@ -1,1 +1,1 @@
-"""Pictures of scenes while they are generated."""
+"""Pictures of a scene while it is generated, from noise to the finished scene."""

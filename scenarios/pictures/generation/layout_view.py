@@ -1,4 +1,8 @@
-"""Boxes seen from above: coarse ones pale, fine ones in colour."""
+"""Boxes of a scene seen from above: coarse ones pale, fine ones in colour.
+
+Layouts in the middle of a denoising cannot be rendered as scenes, because boxes overlap and float.
+Flat boxes show them at any stage.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +20,7 @@ _EDGE_SHADE = 0.72
 _OVER = 4
 """Supersampling factor, which smooths edges."""
 _FAR_PX = 1e5
-"""Greatest distance of a corner that is drawn; farther ones are noise."""
+"""Greatest coordinate of a corner that is drawn; boxes farther away are noise."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +35,7 @@ class Layout:
 
 
 def draw_layout(layout: Layout, width: int, half_span_m: float) -> Picture:
-    """A square picture of boxes, north up, the origin in its middle.
+    """Return a square picture of boxes, north up, the origin in its middle.
 
     Args:
         layout: Boxes to draw.
@@ -42,9 +46,10 @@ def draw_layout(layout: Layout, width: int, half_span_m: float) -> Picture:
     picture = Image.new("RGB", (side, side), PAPER_RGB)
     draw = ImageDraw.Draw(picture, "RGBA")
     scale = side / (2 * half_span_m)
+    # Pixels count downwards, north points up.
     corners_px = _footprints(layout) * [scale, -scale] + side / 2
     top_m = layout.center_enu_m[:, 2] + layout.size_m[:, 2] / 2
-    # Coarse ones below; among each, what is on top is seen.
+    # Coarse boxes come first, and within each level the lower ones, so that higher ones are seen.
     for i in np.lexsort((top_m, ~layout.is_coarse)):
         if np.abs(corners_px[i]).max() < _FAR_PX:
             _draw_box(draw, corners_px[i], is_coarse=bool(layout.is_coarse[i]))
@@ -66,4 +71,5 @@ def _draw_box(
     ring = [(x, y) for x, y in corners_px.tolist()]
     edge = tuple(round(_EDGE_SHADE * value) for value in rgb)
     draw.polygon(ring, fill=(*rgb, alpha))
+    # Two corners are repeated, so that the last joint is rounded like the others.
     draw.line([*ring, *ring[:2]], fill=edge, width=_OVER // 2, joint="curve")

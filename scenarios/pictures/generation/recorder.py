@@ -15,23 +15,32 @@ from scenarios.pictures.generation.layout_view import Layout
 from scenarios.pictures.generation.strip import chosen_steps, draw_strip
 
 _MARGIN = 1.15
-"""Half side of the pictures, relative to that of the finished site."""
+"""Half of the pictures' side, relative to half of the sampled site's longer side."""
 
 
 class Recorder:
-    """Keeps the layouts of a few steps."""
+    """Keeps the layouts of a few denoising steps; pass it to a generator as `on_step`."""
 
     def __init__(self) -> None:
         self._kept: list[tuple[str, Layout]] = []
 
     def __call__(self, moment: Moment, proposals: Sequence[Proposal]) -> None:
-        """Keep the first scene of the batch where its step is one to be drawn."""
+        """Keep the first scene of the batch if this step is to be drawn.
+
+        Args:
+            moment: Number and time of the step.
+            proposals: Present layouts of the batch.
+        """
         if moment.index in chosen_steps(moment.n_steps):
             scene = proposals[0].scene("noisy", 0, np.random.default_rng(0))
             self._kept.append((f"t = {moment.time:.2f} T", _layout_of(scene)))
 
     def draw(self, found: Generated, out: Path) -> None:
         """Draw the steps, the sampled layout, and the finished scene.
+
+        Args:
+            found: Result of the generation.
+            out: PNG file to write.
 
         Raises:
             OSError: If the file cannot be written.
@@ -43,7 +52,7 @@ class Recorder:
 
 
 def _layout_of(scene: Scene) -> Layout:
-    """All boxes of a scene."""
+    """Return all boxes of a scene."""
     yaw = np.array([obj.bbox.yaw_rad for obj in scene.objects])
     return Layout(
         center_enu_m=np.array([obj.bbox.p for obj in scene.objects]),

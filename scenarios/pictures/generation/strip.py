@@ -1,6 +1,6 @@
-"""Generation of a scene as two rows of pictures: noise, layouts, the scene.
+"""Generation of a scene as two rows of pictures: noise, layouts, the finished scene.
 
-The paper's figure of the generation sequence.
+It corresponds to the paper's figure of the generation sequence.
 """
 
 from __future__ import annotations
@@ -29,13 +29,21 @@ _VIEW = "from above, north up; T is noise, 0 the layout"
 
 
 def chosen_steps(n_steps: int) -> tuple[int, ...]:
-    """Steps to be drawn, the first and the last among them, more densely towards the end."""
+    """Return the steps to draw: the first, the last, and more of the later ones.
+
+    Args:
+        n_steps: Number of denoising steps.
+
+    Returns:
+        Indices in ascending order; fewer than `N_MOMENTS` if there are fewer steps.
+    """
+    # Most of the layout appears late, when the noise is small.
     shares = 1.0 - (1.0 - np.linspace(0.0, 1.0, N_MOMENTS)) ** 1.5
     return tuple(dict.fromkeys(np.round(shares * (n_steps - 1)).astype(int).tolist()))
 
 
 def layout_of(scene: Scene) -> Layout:
-    """The boxes of a scene."""
+    """Return the boxes of a scene."""
     boxes = [obj.bbox for obj in scene.objects]
     yaw = np.array([box.yaw_rad for box in boxes])
     return Layout(
@@ -54,7 +62,7 @@ def draw_strip(
     Args:
         moments: Titles and layouts, the noise first.
         half_span_m: Distance from the middle of a layout's picture to its border.
-        scene: The finished scene; None where it was rejected.
+        scene: The finished scene; None if it was rejected.
         out: PNG file, written whole or not at all.
 
     Raises:
@@ -62,6 +70,7 @@ def draw_strip(
     """
     cells = [_titled(t, draw_layout(layout, _WIDTH, half_span_m)) for t, layout in moments]
     if scene is not None:
+        # The same scene twice: as boxes beside the layouts, and as it is rendered.
         cells.append(_titled("feasible", draw_layout(layout_of(scene), _WIDTH, half_span_m)))
         cells.append(_titled("scene", draw_scene(scene, _WIDTH, aspect=1.0)))
     sheet = tile(cells, _COLUMNS)
@@ -71,7 +80,7 @@ def draw_strip(
 
 
 def _legend(width: int) -> Picture:
-    """A row that says what the colours are, each swatch a box as the layouts have it."""
+    """Return a row that explains the colours; each swatch is drawn like a box of the layouts."""
     row = np.full((2 * _SWATCH_PX, width, 3), PAPER_RGB, np.uint8)
     left = _SWATCH_PX // 2
     for is_coarse, words in ((True, _COARSE), (False, _FINE)):
@@ -80,6 +89,7 @@ def _legend(width: int) -> Picture:
         free = row[: len(swatch), left : left + _SWATCH_PX]
         free[:] = swatch[:, : free.shape[1]]
         write(row, words, (left + _SWATCH_PX + 6, 2), _WORDS_PX, INK_RGB)
+        # A letter is about 0.46 times as wide as high, on average.
         left += 2 * _SWATCH_PX + round(_WORDS_PX * 0.46 * len(words))
     write(row, _VIEW, (left, 2), _WORDS_PX, INK_RGB)
     return row

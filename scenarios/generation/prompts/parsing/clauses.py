@@ -1,4 +1,10 @@
-"""Reads lexemes in order, and joins numbers to things and things to their hosts."""
+"""The parser's second step: it joins numbers to things, and things to their hosts.
+
+`Clauses` reads lexemes from left to right and keeps what is still open: a number that waits for its
+thing, a relation that waits for its host or its subject, and a word for the place that a stronger
+word may replace. Nothing is dropped silently. Whatever stays open at the end of a clause goes to
+`unknown`, which the user sees as "not understood".
+"""
 
 from __future__ import annotations
 
@@ -13,12 +19,12 @@ from scenarios.generation.prompts.parsing.settings import Settings
 from scenarios.generation.prompts.wishes import COUNTS, PromptError, spoken
 
 _ABOUT_PLACE = ("inside", "on", "near", "next_to", "along")
-"""Relations that also say what the scene is: a house in a park, bikes along the quay."""
+"""Relations whose host may name the place of the scene: a house in a park, bikes along the quay."""
 
 
 @dataclass
 class Clauses:
-    """State of the parser after the lexemes that it has read."""
+    """State of the parser after the lexemes that it has read so far."""
 
     site: Site = field(default_factory=Site)
     mentions: list[Mention] = field(default_factory=list)
@@ -28,29 +34,33 @@ class Clauses:
     _number: Number | None = None
     _number_said: str = ""
     _is_carried: bool = False
-    """Whether that number was a thing's already, as in "no cars and trees"."""
+    """True if that number was used for a thing already, as in "no cars and trees"."""
     _is_after_place: bool = False
     _place_thing: str = ""
     """Thing that the last word for the place names, if it is used as a host."""
     _is_modified: bool = False
-    """Whether the word before is a place that says more about the next one."""
+    """True if the word before is a place that modifies the next one, as in "school library"."""
     _was_modified: bool = False
     _last: Mention | None = None
-    """Subject of a relation that follows."""
+    """Thing that is the subject of a relation that follows."""
     _is_last_unknown: bool = False
     _tie: Tie | None = None
     """Relation that waits for a host."""
     _fronted: Tie | None = None
-    """Relation that waits for its subject: `behind the house a garden`."""
+    """Relation that waits for its subject: "behind the house a garden"."""
     _is_in_head: bool = True
-    """Whether the place is still being named."""
+    """True while the place is still being named: until the first "with"."""
 
     def read(self, lexemes: Sequence[Lexeme]) -> None:
-        """Read a whole prompt.
+        """Read a whole prompt; afterwards the public fields hold its parts.
+
+        Args:
+            lexemes: Lexemes of the prompt, in order.
 
         Raises:
             PromptError: If it contradicts itself.
         """
+        # One lexeme ahead is enough: it tells a modifier ("harbour street") from a noun.
         for index, lexeme in enumerate(lexemes):
             following = lexemes[index + 1] if index + 1 < len(lexemes) else None
             self._read(lexeme, following)
@@ -73,6 +83,7 @@ class Clauses:
         elif kind == "and":
             self._read_and(lexeme)
         elif kind == "with":
+            # "with" ends the naming of the place: what follows is in it.
             self._drop_number()
             self._drop(self._tie)
             self._tie, self._is_in_head, self._is_after_place = None, False, False
@@ -85,14 +96,14 @@ class Clauses:
     def _read_number(self, lexeme: Lexeme) -> None:
         number: Number = lexeme.value
         if is_none(self._number) and not self._is_carried and number.is_article:
-            return  # "without a car"
+            return  # "without a car": the article adds nothing
         self._drop_number()
         if fault := COUNTS.fault("prompt: number", number.n or 0):
             raise PromptError(fault)
         self._number, self._number_said, self._is_carried = number, lexeme.said, False
 
     def _read_setting(self, lexeme: Lexeme, following: Lexeme | None) -> None:
-        """A word that sets an option of the site; "not crowded" sets none."""
+        """Read a word that sets an option of the site; "not crowded" sets none."""
         number, words = self._number, f"{self._number_said} {lexeme.said}"
         is_negated = is_none(number)
         if lexeme.kind == "size":
@@ -110,7 +121,7 @@ class Clauses:
             self._number = None
 
     def _read_pronoun(self) -> None:
-        """`in front of it`: what was named before the subject of the relation."""
+        """Read "it" in "in front of it": the thing named last, except the relation's subject."""
         tie = self._tie
         if tie is None:
             return
@@ -136,7 +147,7 @@ class Clauses:
         self._is_last_unknown = self._is_after_place = False
 
     def _drop_number(self) -> None:
-        """Name a number that nothing followed as not understood."""
+        """Report a number that nothing followed as not understood."""
         number = self._number
         if (
             number is not None
@@ -147,19 +158,20 @@ class Clauses:
         self._number = None
 
     def _drop(self, tie: Tie | None) -> None:
-        """Name a relation that lacks its subject or its host as not understood."""
+        """Report a relation that lacks its subject or its host as not understood."""
         if tie is not None:
             self.unknown.append(tie.said)
 
     def _read_relation(self, lexeme: Lexeme) -> None:
         self._drop_number()
         self._drop(self._tie)
+        # "a unicorn behind the house": the unknown word is the subject, not the thing before it.
         subject = None if self._is_last_unknown else self._last
         self._tie = Tie(lexeme.value, lexeme.said, subject, is_dropped=self._is_last_unknown)
         self._is_last_unknown = False
 
     def _read_reversed(self, lexeme: Lexeme) -> None:
-        """`a pond surrounded by trees`: what was named last is the host of what comes next."""
+        """Read "surrounded by" in "a pond surrounded by trees": the host comes before the thing."""
         self._drop_number()
         host = self._last.thing if self._last is not None else self._place_thing
         if self._is_last_unknown or not host:
@@ -173,6 +185,7 @@ class Clauses:
         is_modifier = following is not None and following.kind == "noun"
         self._is_modified &= bool(noun.place)
         self._is_last_unknown = False
+        # An open relation takes the noun first, then the place, and a count is the usual case.
         if self._tie is not None and not (is_modifier and self._tie.subject is not None):
             self._read_host(noun, lexeme.said)
         elif noun.place and self._names_place(noun, is_modifier=is_modifier):
@@ -183,9 +196,9 @@ class Clauses:
             self.unknown.append(lexeme.said)
 
     def _names_place(self, noun: Noun, *, is_modifier: bool) -> bool:
-        """Whether a word for a place, or for a thing, means the place here."""
+        """Return true if a word for a place, which may name a thing too, means the place here."""
         if is_none(self._number):
-            return False
+            return False  # "no harbour" can only mean a thing
         is_counted = self._number is not None and self._number.n not in {None, 1}
         if noun.thing and not is_modifier and (is_counted or noun.is_plural):
             return False
@@ -221,7 +234,7 @@ class Clauses:
             self._number = None
 
     def _leave(self, site: Site, said: str) -> str:
-        """Make what is left to make of a weak word for the place; return the words for the next."""
+        """Use a weak word for the place otherwise, and return the words of the stronger one."""
         if site.thing:
             self.mentions.append(Mention(site.thing, None, is_plural=False, said=site.said))
         elif site.theme and self._was_modified:
@@ -235,6 +248,7 @@ class Clauses:
         words = said if number is None or number.is_article else f"{self._number_said} {said}"
         mention = Mention(noun.thing, number, noun.is_plural, words)
         self.mentions.append(mention)
+        # "no" also holds for the next things: "no cars and trees". Other numbers do not.
         self._number, self._is_carried = (number, True) if is_none(number) else (None, False)
         self._last, self._is_after_place = mention, False
         if self._fronted is not None:
@@ -262,10 +276,13 @@ class Clauses:
             return
         tie.hosts.append(noun.thing)
         host = Mention(noun.thing, number, noun.is_plural, words)
+        # "next to two cafes" asks for two cafes; "next to a cafe" needs no count of its own, since
+        # the relation cannot hold without one.
         if host.is_explicit:
             self.mentions.append(host)
         elif tie.is_dropped or is_none(tie.subject.number if tie.subject else None):
             self.mentions.append(Mention(noun.thing, A, is_plural=False, said=words))
+        # "between two houses" names both hosts with one word.
         if tie.relation == "between" and (noun.is_plural or host.is_explicit):
             tie.hosts = [noun.thing, noun.thing]
         if tie.is_complete:
@@ -281,6 +298,7 @@ class Clauses:
             # "a village by the sea": the place has it.
             self.mentions.append(Mention(tie.hosts[0], A, is_plural=False, said=tie.said))
         elif tie.subject is None:
+            # "behind the house a garden": the subject comes next.
             self._drop(self._fronted)
             self._fronted = tie
         else:

@@ -1,4 +1,8 @@
-"""A text as lexemes: the longest phrase that is known at each word."""
+"""A text as lexemes: at each word, the longest phrase that is known.
+
+The longest phrase wins, because longer phrases are more precise: "on the roof of" is one relation,
+and not "on" with a roof.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +21,7 @@ _LONGEST = 5
 
 @dataclass(frozen=True, slots=True)
 class Lexeme:
-    """A phrase with its meaning."""
+    """A phrase of the prompt with its meaning, which depends on its kind."""
 
     kind: Kind
     said: str
@@ -25,8 +29,16 @@ class Lexeme:
 
 
 def lexemes(text: str, own_themes: frozenset[str] = frozenset()) -> list[Lexeme]:
-    """Lexemes of a text in lower case, where a checkpoint may have themes of its own."""
-    # "tree-lined street" says where the trees are.
+    """Split a text into lexemes.
+
+    Args:
+        text: Text in lower case, without sizes.
+        own_themes: Themes of a checkpoint beside those of the vocabulary.
+
+    Returns:
+        Lexemes in order; words that ask for nothing are left out.
+    """
+    # "tree-lined street" is a relation in one word: the trees are along the street.
     text = _LINED.sub(r"\2 with many \1s along the \2", text)
     tokens = [each for each in _TOKEN.findall(_parted(text)) if each != "'"]
     found, at = [], 0
@@ -39,7 +51,7 @@ def lexemes(text: str, own_themes: frozenset[str] = frozenset()) -> list[Lexeme]
 
 
 def _parted(text: str) -> str:
-    """Hyphens within words as spaces; between numbers they stay."""
+    """Return a text with the hyphens within words as spaces; between numbers they stay."""
     return re.sub(r"(?<=[^\W\d])[-\u2010-\u2015](?=[^\W\d])", " ", text)
 
 
@@ -48,6 +60,7 @@ def _longest(
 ) -> tuple[Lexeme | None, int]:
     known, size = _known(tokens, at, own_themes)
     number = number_at(tokens, at)
+    # A longer number wins. A single word that is both counts as the known phrase.
     if number is not None and number[1] >= size and not (known and number[1] == size == 1):
         said = " ".join(tokens[at : at + number[1]])
         return Lexeme("number", said, number[0]), number[1]
@@ -69,5 +82,6 @@ def _known(tokens: Sequence[str], at: int, own_themes: frozenset[str]) -> tuple[
 
 
 def _windows(tokens: Sequence[str], at: int) -> Iterator[tuple[str, ...]]:
+    # The longest window first, so that the first hit is the longest phrase.
     for size in range(min(_LONGEST, len(tokens) - at), 0, -1):
         yield tuple(tokens[at : at + size])

@@ -1,4 +1,8 @@
-"""The words that the parser knows, each with its meaning."""
+"""The words that the parser knows, each with its kind and its meaning.
+
+Nouns come from `things.toml` and `themes.toml`, with plurals. The other words are few and are part
+of the grammar, so they stand here.
+"""
 
 from __future__ import annotations
 
@@ -33,10 +37,11 @@ class Noun:
     thing: str = ""
     place: str = ""
     is_weak: bool = False
-    """Whether a word of another theme says more about the place."""
+    """True if a word of another theme says more about the place: a harbour street is a harbour."""
     is_plural: bool = False
 
 
+# docs/model.md lists these values for users.
 OPTIONS: Mapping[tuple[str, object], tuple[str, ...]] = {
     ("density", 1.5): ("crowded", "busy", "dense", "bustling", "lively", "densely furnished"),
     ("density", 1.8): ("very crowded", "very busy", "very dense", "overcrowded", "packed"),
@@ -88,7 +93,7 @@ AMOUNTS: Mapping[str, tuple[str, ...]] = {
     "objects": ("objects", "things", "items"),
     "areas": ("landing areas", "landing spots", "landing sites", "landing places", "landing area"),
 }
-"""Words for what numbers of options count."""
+"""Words for the options that are numbers: "150 objects"."""
 REVERSED: Mapping[str, tuple[str, ...]] = {
     "around": ("surrounded by", "ringed by", "enclosed by", "framed by"),
     "along": ("lined by", "lined with", "flanked by", "bordered by"),
@@ -131,11 +136,12 @@ FILLERS = frozenset((
 def lexicon(
     own_themes: frozenset[str] = frozenset(),
 ) -> Mapping[tuple[str, ...], tuple[Kind, object]]:
-    """Every phrase that the parser knows, as its words, with kind and meaning.
+    """Return every phrase that the parser knows, as a tuple of words, with kind and meaning.
 
     Args:
         own_themes: Themes of a checkpoint beside those of the vocabulary, known by their names.
     """
+    # Later groups replace earlier ones, so a checkpoint's theme never hides a word of ours.
     found: dict[tuple[str, ...], tuple[Kind, object]] = {
         tuple(spoken(theme).split()): ("noun", Noun(place=theme)) for theme in own_themes
     }
@@ -158,6 +164,7 @@ def lexicon(
 
 def _nouns() -> dict[str, Noun]:
     found: dict[str, Noun] = {}
+    # Things first, because a word for a place may also name a thing, which it then keeps.
     for name, thing in things().items():
         for words, is_plural in phrases(name, thing.words).items():
             found[words] = Noun(thing=name, is_plural=is_plural)

@@ -10,7 +10,7 @@ from scenarios.generation.prompts.vocabulary import categories_of, unmeasurable
 from scenarios.generation.prompts.wishes import Count, PromptError, Relation, RelationName
 
 _MANY_COARSE = 5
-"""Fewest that are many buildings; of fine objects `MANY.least` are."""
+"""Fewest coarse objects, such as buildings, that are "many"; for fine ones it is `MANY.least`."""
 
 
 @dataclass(slots=True)
@@ -22,21 +22,22 @@ class Mention:
     is_plural: bool
     said: str
     is_subject: bool = False
-    """Whether a relation counts it."""
+    """True if a relation counts the thing, so that no count of its own is needed."""
 
     @property
     def is_none(self) -> bool:
-        """Whether there is to be none."""
+        """True if the prompt asks for none of the thing."""
         return is_none(self.number)
 
     @property
     def is_explicit(self) -> bool:
-        """Whether its number says more than that it is there."""
+        """True if there is a number, and it is more than an article."""
         return self.number is not None and not self.number.is_article
 
     @property
     def limits(self) -> tuple[int, int | None]:
-        """Least and greatest number."""
+        """Least and greatest number; None as the greatest sets no limit."""
+        # A bare plural asks for at least two, a bare singular for one.
         if self.number is None:
             return (2 if self.is_plural else 1), None
         if self.number.is_many:
@@ -53,11 +54,11 @@ class Tie:
     subject: Mention | None
     hosts: list[str] = field(default_factory=list)
     is_dropped: bool = False
-    """Whether its subject was not understood."""
+    """True if its subject was not understood."""
 
     @property
     def is_complete(self) -> bool:
-        """Whether all its hosts are known."""
+        """True if all hosts are known: two for "between", else one."""
         return len(self.hosts) == (2 if self.relation == "between" else 1)
 
 
@@ -72,7 +73,11 @@ class Site:
     """Thing that its word names, if another word names the place."""
 
     def replaced_by(self, theme: str, said: str) -> None:
-        """Require that a second place is the same.
+        """Refuse a second place, unless it has the same theme.
+
+        Args:
+            theme: Theme of the second place.
+            said: Its words in the prompt.
 
         Raises:
             PromptError: If it is another.
@@ -85,14 +90,22 @@ class Site:
 
 
 def counts_of(mentions: list[Mention]) -> list[Count]:
-    """Counts of the things that no relation counts."""
+    """Return the counts of the things that no relation counts.
+
+    Args:
+        mentions: Things of the prompt, after `relation_of` has marked its subjects.
+    """
     return [
         Count(each.thing, *each.limits, said=each.said) for each in mentions if not each.is_subject
     ]
 
 
 def relation_of(tie: Tie) -> Relation | str:
-    """The wish of a complete relation, or why it cannot be measured."""
+    """Return the wish of a relation, or the words and the reason why it cannot be measured.
+
+    Args:
+        tie: Complete relation; its subject is marked as counted if the relation can be measured.
+    """
     subject = tie.subject
     assert subject is not None
     least, most = subject.limits
@@ -105,6 +118,7 @@ def relation_of(tie: Tie) -> Relation | str:
         host=tie.hosts[0],
         other=tie.hosts[1] if len(tie.hosts) > 1 else "",
     )
+    # Its subject then keeps a count of its own, so that part of the wish is still met.
     if (reason := unmeasurable(wish)) is not None:
         return f"{tie.said} ({reason})"
     subject.is_subject = True
@@ -112,7 +126,7 @@ def relation_of(tie: Tie) -> Relation | str:
 
 
 def is_none(number: Number | None) -> bool:
-    """Whether a number says that there is none."""
+    """Return true if a number asks for none: "no", "without"."""
     return number == NONE
 
 

@@ -1,4 +1,9 @@
-"""Numbers in English: `two`, `a pair of`, `at least three`, `5 to 8`, `many`, `no`."""
+"""Numbers in English: `two`, `a pair of`, `at least three`, `5 to 8`, `many`, `no`.
+
+Each becomes a `Number` with a least and a greatest value, because a draw is judged by limits. Bare
+numbers from five on are met within a fifth, as numbers of objects are, because the model follows
+numbers only roughly. "exactly 20" asks for 20 alone.
+"""
 
 from __future__ import annotations
 
@@ -33,9 +38,9 @@ class Number:
     most: int | None = None
     n: int | None = None
     is_article: bool = False
-    """Whether it says no more than that there is one."""
+    """True for "a" and "an", which ask for no more than that there is one."""
     is_many: bool = False
-    """Whether it says that there are many, which depends on the thing."""
+    """True for "many", whose least value depends on the thing."""
 
 
 A = Number(1, is_article=True)
@@ -92,7 +97,16 @@ _LONGEST = 4
 
 
 def number_at(tokens: Sequence[str], at: int) -> tuple[Number, int] | None:
-    """The number that begins at a token, and how many tokens it takes; None where there is none."""
+    """Read the number that begins at a token.
+
+    Args:
+        tokens: Tokens of the text, in lower case.
+        at: Index of the first token.
+
+    Returns:
+        The number and how many tokens it takes, or None if no number begins there.
+    """
+    # Limits before fixed words: "some 20 cars" is about 20, but "some cars" is two or more.
     for size in range(_LONGEST, 0, -1):
         words = tuple(tokens[at : at + size])
         if len(words) == size and words in _LIMITS and (found := _whole(tokens, at + size)):
@@ -108,7 +122,12 @@ def number_at(tokens: Sequence[str], at: int) -> tuple[Number, int] | None:
 
 
 def about(n: int) -> Number:
-    """A bare number: exactly so many below five, and within a fifth from there."""
+    """Return the limits of a bare number: exact below five, within a fifth from five on.
+
+    Args:
+        n: The number; 20 gives 16 to 24.
+    """
+    # Rounding inwards makes the limits of numbers below five the number itself.
     most = math.floor((1 + ABOUT) * n)
     return Number(math.ceil((1 - ABOUT) * n), max(n, min(most, MOST_COUNT)), n)
 
@@ -134,13 +153,14 @@ def _fixed(tokens: Sequence[str], at: int) -> tuple[Number, int] | None:
 
 
 def _spread(tokens: Sequence[str], at: int) -> tuple[Number, int] | None:
-    """`5 to 8`, `5 - 8`, `between 5 and 8`, `five or six`."""
+    """Read "5 to 8", "5 - 8", "between 5 and 8" or "five or six"; None if there is none."""
     skip = 1 if tokens[at] in {"between", "from"} else 0
     first = _whole(tokens, at + skip)
     if first is None:
         return None
     low, taken = first
     middle = at + skip + taken
+    # "two and three" alone are two numbers of two things.
     joints = {"and"} if tokens[at] == "between" else {"to", "-", "or"}
     if middle >= len(tokens) or tokens[middle] not in joints:
         return None
@@ -152,11 +172,12 @@ def _spread(tokens: Sequence[str], at: int) -> tuple[Number, int] | None:
 
 
 def _whole(tokens: Sequence[str], at: int) -> tuple[int, int] | None:
-    """A whole number and how many tokens it takes."""
+    """Return a whole number and how many tokens it takes, None if there is none."""
     words = list(tokens[at : at + 3])
     if not words:
         return None
     if words[0].isdecimal():
+        # The first nine digits already exceed every range.
         n, taken = int(words[0][:9]), 1
     elif words[0] == "half" and words[1:] == ["a", "dozen"]:
         return 6, 3
@@ -169,6 +190,7 @@ def _whole(tokens: Sequence[str], at: int) -> tuple[int, int] | None:
             n, taken = n + ones, 2
     else:
         return None
+    # "two dozen", "three hundred"
     after = tokens[at + taken : at + taken + 1]
     if after in (["dozen"], ["hundred"]):
         return n * (12 if after == ["dozen"] else 100), taken + 1

@@ -1,4 +1,4 @@
-"""From a prompt to wishes."""
+"""From a prompt to wishes: sizes, then lexemes, then clauses, then checks."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from scenarios.generation.prompts.vocabulary import places
 from scenarios.generation.prompts.wishes import PromptError, Reading, Relation, Wishes, checked
 
 MOST_CHARACTERS = 1000
-"""Longest prompt."""
+"""Greatest length of a prompt."""
 _SIDES_M = {
     False: {"tiny": (50.0, 50.0), "small": (60.0, 60.0), "large": (95.0, 90.0)},
     True: {"tiny": (20.0, 18.0), "small": (24.0, 22.0), "large": (30.0, 28.0)},
 }
-"""Sides of sites by whether they are indoors; shipped ones lie between small and large."""
+"""Sides of sites, outdoors and indoors (True); sites of shipped scenes lie from small to large."""
 _HUGE_M = {False: (110.0, 110.0), True: (36.0, 30.0)}
 
 
@@ -29,14 +29,18 @@ def read_prompt(text: str, own_themes: frozenset[str] = frozenset()) -> Wishes:
         text: English, up to `MOST_CHARACTERS`.
         own_themes: Themes of a checkpoint beside those of the vocabulary, known by their names.
 
+    Returns:
+        The wishes, and under `not_understood` the words that became none.
+
     Raises:
         PromptError: If it is empty, too long, or contradicts itself.
     """
+    # Sizes come out first: in "80 by 60 m" the parser would take "by" for a relation.
     sizes = without_sizes(plain(text).lower())
     clauses = Clauses()
     clauses.read(lexemes(sizes.text, own_themes))
     outline_m, readings = _outline(clauses, sizes)
-    # First the relations, which say what they count themselves.
+    # Relations come before counts, because they mark the things that they count themselves.
     relations, unknown = _relations(clauses.ties)
     site = clauses.site
     if site.theme:
@@ -55,13 +59,17 @@ def read_prompt(text: str, own_themes: frozenset[str] = frozenset()) -> Wishes:
         **options,
     }
     try:
+        # Converted rather than constructed, because msgspec checks limits only on conversion.
         return checked(msgspec.convert(msgspec.to_builtins(found), Wishes))
     except msgspec.ValidationError as error:
         raise PromptError(f"prompt asks for too much ({error}); valid: up to 24 wishes") from None
 
 
 def plain(text: str) -> str:
-    """A prompt on one line, with plain quotes and without characters that a terminal obeys.
+    """Return a prompt on one line, with plain quotes and without control characters.
+
+    Args:
+        text: Prompt as the user wrote it.
 
     Raises:
         PromptError: If it is empty or too long.
@@ -76,7 +84,7 @@ def plain(text: str) -> str:
 
 
 def _relations(ties: list[Tie]) -> tuple[list[Relation], list[str]]:
-    """Relations that can be measured, and the words of those that cannot."""
+    """Return the relations that can be measured, and the words of those that cannot."""
     found: list[Relation] = []
     unknown: list[str] = []
     for tie in ties:

@@ -1,4 +1,4 @@
-"""Options of the site that words of a prompt set: density, difficulty, size, numbers of objects."""
+"""Options of the site that words set: density, clutter, difficulty, domain, size, numbers."""
 
 from __future__ import annotations
 
@@ -14,16 +14,22 @@ class Settings:
     """Options that the words read so far have set."""
 
     options: dict[str, tuple[object, str]] = field(default_factory=dict)
-    """Value and words of each option."""
+    """Value of each option, and the words of the prompt that set it."""
     size: tuple[str, str] | None = None
-    """Size of the site and its words."""
+    """Size of the site, such as "small", and the words that set it."""
 
     def choose(self, option: str, value: object, said: str) -> None:
         """Set an option.
 
+        Args:
+            option: Name of the option, such as "density".
+            value: Its value.
+            said: Words of the prompt.
+
         Raises:
-            PromptError: If it was set to something else.
+            PromptError: If it was set to another value before.
         """
+        # The same value twice is no contradiction: "a crowded, busy square".
         before, words = self.options.get(option, (value, ""))
         if before != value:
             raise PromptError(
@@ -33,10 +39,16 @@ class Settings:
         self.options[option] = (value, f"{words}, {said}" if words else said)
 
     def count(self, option: str, number: Number | None, said: str) -> bool:
-        """Set a number of objects, met within a fifth, or of landing areas, at most.
+        """Set a number of objects, which is met within a fifth, or of landing areas, at most.
+
+        Args:
+            option: "objects" or "areas".
+            number: Number before the word; None if there is none.
+            said: Words of the prompt.
 
         Returns:
-            Whether the number is one that can be asked for: these wishes have no least number.
+            True if the number can be asked for. "At least 20 areas" cannot, because these wishes
+            have no least number.
         """
         if number is None or number.most is None or not number.n:
             return False
@@ -46,8 +58,12 @@ class Settings:
     def size_by(self, lexeme: Lexeme, following: Lexeme | None) -> bool:
         """Set the size of the site.
 
+        Args:
+            lexeme: Word for a size.
+            following: Lexeme after it; None at the end.
+
         Returns:
-            Whether the word says something about the site. A thing has no size to ask for.
+            True if the word is about the site. A thing has no size that can be asked for.
 
         Raises:
             PromptError: If another size was set.

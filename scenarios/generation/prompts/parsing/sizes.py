@@ -1,4 +1,8 @@
-"""Sizes of sites in words: `80 by 60 m`, `half a hectare`, `doors at least 1.2 m wide`."""
+"""Sizes of sites in words: `80 by 60 m`, `half a hectare`, `doors at least 1.2 m wide`.
+
+Regular expressions read these, because sizes have a fixed form, and their words ("by", "x", "m")
+would confuse the parser. What they match is cut out of the text before the parser sees it.
+"""
 
 from __future__ import annotations
 
@@ -39,7 +43,13 @@ class Sizes:
 
 
 def without_sizes(text: str) -> Sizes:
-    """Take the sizes out of a text in lower case.
+    """Take the sizes out of a text.
+
+    Args:
+        text: Text in lower case.
+
+    Returns:
+        Sizes, and the text without their words.
 
     Raises:
         PromptError: If it names two sizes of the site.
@@ -71,6 +81,7 @@ def _sides_m(pattern: re.Pattern[str], match: re.Match[str]) -> tuple[float, flo
         said = re.sub(f"^{_ABOUT}", "", match[0])
         words = re.sub(r"\s*(?:of )?(?:an?)?\s*(?:hectares?|ha)$", "", said).strip() or "a"
         area_m2 = _OF_HECTARE[words] * _M2
+    # An area says nothing of the sides, so the site is a square.
     side_m = round(math.sqrt(area_m2), 1)
     return side_m, side_m
 
