@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import ndimage
 
 from aeroscene.scene import Relief
 from aeroscene.solids.voxels import Grid
@@ -46,6 +45,9 @@ def _steepness(
     relief: Relief, x: np.ndarray, y: np.ndarray, half_m: float
 ) -> Float[np.ndarray, "nx ny"]:
     """Greatest |rise to the east| + |rise to the north| in the columns about places."""
+    # Start-up time: SciPy takes a seventh of that of a flight, and few scenes have a relief.
+    from scipy import ndimage
+
     east, north = (np.abs(gradient).max(axis=0) for gradient in relief.gradients())
     # A column may straddle several cells of the relief: the steepest of all of them counts.
     reach = 2 * math.ceil(half_m / relief.spacing_m) + 1

@@ -13,7 +13,6 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping
 
 from scenarios.doctor.network import is_free
@@ -44,13 +43,12 @@ def cpu_seconds_to_first_heartbeat(scene: str, vehicle: str) -> float:
     Raises:
         LaunchError: If no heartbeat comes, or no instance has free ports.
     """
-    with tempfile.TemporaryDirectory(prefix="aeroscene-launch-") as folder:
-        environment = {**os.environ, "PYTHONPYCACHEPREFIX": folder}
-        environment.pop("PYTHONDONTWRITEBYTECODE", None)
-        _launch(scene, vehicle, environment)
-        before_s = _cpu_seconds_of_children()
-        _launch(scene, vehicle, environment)
-        return _cpu_seconds_of_children() - before_s
+    environment = dict(os.environ)
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    _launch(scene, vehicle, environment)
+    before_s = _cpu_seconds_of_children()
+    _launch(scene, vehicle, environment)
+    return _cpu_seconds_of_children() - before_s
 
 
 def _cpu_seconds_of_children() -> float:

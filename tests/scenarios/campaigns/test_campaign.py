@@ -80,7 +80,7 @@ def campaign(tmp_path, capsys):
     recipe.write_text('start = ["own"]\nwind_mps = [0, 1]\n')
     folder = tmp_path / "out"
     options = ("--scenes", "7", "--trials", "1", "--vehicles", "iris", "--pilot", "straight")
-    more = ("--recipe", recipe, "--workers", "1", "--record", "summary")
+    more = ("--recipe", recipe, "--workers", "1", "--record", "summary", "--camera-size", "64x48")
     status, _, err = in_process(capsys, "campaign", "--out", folder, *options, *more)
     assert status == 0, err
     return folder
@@ -263,7 +263,7 @@ def test_a_full_disk_costs_a_flight_its_recording_and_not_its_verdict(
         recorder.fault = "no space left on device"
 
     monkeypatch.setattr("scenarios.recording.Recorder._write_out", fail_at_the_end)
-    args = ("--scene", "field", "--trial", "0", "--pilot", f"{STUBS}:Idle", "--record", "summary")
+    args = ("--scene", "7", "--trial", "0", "--pilot", f"{STUBS}:Idle", "--record", "summary")
     status, out, err = in_process(capsys, "fly", "--out", tmp_path / "out", *args, "--json")
     row = json.loads(out)
     assert (status, row["code"], row["recording"]) == (2, "never_flew", None), err

@@ -13,7 +13,7 @@ from scenarios.campaigns.flyer import Suite, Trial
 # Ray is not imported here: it reads where it may listen when it is.
 pytestmark = [pytest.mark.timeout(600), pytest.mark.filterwarnings("ignore")]
 STUBS = "tests.scenarios.campaigns.stub_pilots"
-TRIALS = [Trial("field", vehicle, 0) for vehicle in ("iris", "hummingbird")]
+TRIALS = [Trial("7", vehicle, 0) for vehicle in ("iris", "hummingbird")]
 
 
 def outcomes(engine, trials=TRIALS):

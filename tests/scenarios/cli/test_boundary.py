@@ -3,8 +3,6 @@
 import errno
 import json
 import os
-import subprocess
-import sys
 import tomllib
 
 import msgspec
@@ -15,7 +13,8 @@ import pytest
 from scenarios import INPUT_ERRORS
 from scenarios.cli.boundary import INPUT_ERROR_NAMES, one_line
 from scenarios.recording import RecordingError
-from tests.full_disk import LIMITED
+from tests.full_disk import files_end_after
+from tests.scenarios.in_process import in_process
 
 BED = {"category": "Bed", "p": [0, 0, 0.4], "q": [1, 0, 0, 0], "s": [1.5, 2.0, 0.8]}
 FLOOR = [[-5, -4], [5, -4], [5, 4], [-5, 4]]
@@ -59,12 +58,6 @@ def test_a_fault_of_ours_keeps_its_traceback(monkeypatch):
     assert one_line(RecursionError()) is None
 
 
-FULL = f"""{LIMITED}
-from scenarios.cli.main import main
-sys.exit(main(sys.argv[1:]))
-"""
-
-
 @pytest.mark.parametrize(
     ("limit", "words"),
     [
@@ -78,25 +71,14 @@ sys.exit(main(sys.argv[1:]))
         (1000, ["export", "--scene", "field", "--to", "glb", "--out", "{out}"]),
     ],
 )
-def test_a_full_disk_is_one_line_and_leaves_nothing_half_written(tmp_path, limit, words):
+def test_a_full_disk_is_one_line_and_leaves_nothing_half_written(tmp_path, capsys, limit, words):
     if words[0] == "layouts":
         (tmp_path / "l.jsonl").write_text(json.dumps(ROOM) + "\n")
     before = {path: path.read_bytes() for path in tmp_path.iterdir()}
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-B",
-            "-c",
-            FULL,
-            str(limit),
-            *(word.format(out=tmp_path) for word in words),
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (done.returncode, done.stdout) == (2, ""), done.stderr
-    (line,) = done.stderr.splitlines()
+    with files_end_after(limit):
+        status, out, err = in_process(capsys, *(word.format(out=tmp_path) for word in words))
+    assert (status, out) == (2, ""), err
+    (line,) = err.splitlines()
     assert "file too large" in line
     assert "valid: a" in line
     # Journals begin empty; whole files may lie beside the one that found no room.

@@ -1,26 +1,18 @@
 import json
 import socket
-import subprocess
-import sys
 
 from scenarios.doctor import network
 from scenarios.doctor.check import Check
 from scenarios.doctor.diagnosis import diagnose
+from tests.scenarios.in_process import in_process
 
 
-def test_json_is_one_object_and_this_machine_can_fly():
-    code = (
-        "import sys\n"
-        "from scenarios.cli import doctor\n"
-        "sys.exit(doctor.run(doctor.DoctorCfg(json=True)))"
-    )
-    result = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=False
-    )
-    diagnosis = json.loads(result.stdout)
+def test_json_is_one_object_and_this_machine_can_fly(capsys):
+    status, out, _ = in_process(capsys, "doctor", "--json")
+    diagnosis = json.loads(out)
     checks = {check["name"]: check for check in diagnosis["checks"]}
     problems = [check for check in diagnosis["checks"] if check["status"] == "problem"]
-    assert result.returncode == 0, problems
+    assert status == 0, problems
     assert diagnosis["can_fly"] is True
     assert {"python", "mujoco-core", "take-off", "renderer", "viewer", "TCP 5760"} <= checks.keys()
     assert checks["take-off"]["value"].startswith("climbed ")
