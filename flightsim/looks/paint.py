@@ -24,6 +24,8 @@ class Paint:
     """Whether sunlight passes through, as through glass."""
     is_lamp: bool = False
     """Whether it emits light, or has enough lamps to count as emitting."""
+    is_lit_within: bool = False
+    """Whether lamps shine behind its windows; the picture then has its own light."""
 
     def tinted(self, factors: Colour) -> Paint:
         """The same pattern in another colour."""
