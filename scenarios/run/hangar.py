@@ -19,12 +19,13 @@ from flightsim.cameras import (
     depth_noise,
     open_camera_renderer,
 )
+from flightsim.looks.light import Light
 from flightsim.testbench import Vehicle
 from flightsim.vehicles import Airframe
 from flightsim.world import World
 
-_View = tuple[Scene, Airframe, tuple[int, int]]
-"""What a renderer draws: scene, vehicle, size of the images."""
+_View = tuple[Scene, Airframe, tuple[int, int], Light]
+"""What a renderer draws: scene, vehicle, size of the images, light."""
 _KEPT = 2
 """Scenes, and renderers, that are kept: whoever flies a campaign goes from scene to scene."""
 
@@ -76,7 +77,7 @@ class Hangar:
     def _renderer(self, world: World, size_px: tuple[int, int]) -> CameraRenderer:
         scene = world.scene
         corner = replace(scene, start_position_enu_m=scene.extent_min_enu_m, start_yaw_rad=0.0)
-        key = (corner, world.airframe, size_px)
+        key = (corner, world.airframe, size_px, world.light)
         renderer = self._renderers.pop(key, None)
         if renderer is None:
             renderer = open_camera_renderer(world, *size_px)
