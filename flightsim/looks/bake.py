@@ -26,6 +26,8 @@ _LEAST_CASTER_M = 0.5
 _LEAST_CASTER_WIDTH_M = 0.04
 _OFF_SURFACE_M = 0.02
 _LEVEL = 0.999
+_POOL_FACE_M2 = 25.0
+"""Area of level faces above which lamps get pools with an edge; markings may lie on smaller ones."""
 _LAMP_LIGHT = 0.9
 _ROOF_M2 = 6.0
 _UNDER_ROOF_M = 0.25
@@ -254,7 +256,7 @@ def _pools(
 ) -> WorldMesh:
     """Pools of lamplight on large level faces, whose corners are too far apart to show them."""
     is_level = mesh.normals_enu[mesh.face_first][:, 2] > _LEVEL
-    large = np.flatnonzero(is_level & (areas_m2 > _LARGE_FACE_M2))
+    large = np.flatnonzero(is_level & (areas_m2 > _POOL_FACE_M2))
     rings = _rings(mesh)
     face, corners = lamps.pools([mesh.vertices_enu_m[rings[f]] for f in large])
     own = large[face]

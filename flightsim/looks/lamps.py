@@ -118,9 +118,22 @@ def _cells(places_enu_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             corners.append([(r * c[j], r * s[j]) for r, j in ring])
     shape = np.array(corners)
     rings = places_enu_m[:, None, None, :2] + shape
+    cells = np.asarray(shapely.polygons(rings.reshape(-1, 4, 2)))
     lamp = np.repeat(np.arange(len(places_enu_m)), len(shape))
-    rings = rings.reshape(-1, 4, 2)
-    # Each place belongs to one lamp: two layers of triangles at the same height would flicker.
-    _, nearest = KDTree(places_enu_m[:, :2]).query(rings.mean(axis=1))
-    is_own = nearest == lamp
-    return lamp[is_own], np.asarray(shapely.polygons(rings[is_own]))
+    # Each place belongs to its nearest lamp: two layers of triangles at one height would flicker.
+    cells = shapely.intersection(cells, _nearest_regions(places_enu_m[:, :2])[lamp])
+    is_left = ~shapely.is_empty(cells)
+    return lamp[is_left], cells[is_left]
+
+
+def _nearest_regions(places_m: np.ndarray) -> np.ndarray:
+    """Polygon (n,) of the places that are nearest to each lamp; empty for a lamp above another."""
+    regions = np.full(len(places_m), shapely.Polygon(), dtype=object)
+    distinct, first = np.unique(places_m.round(2), axis=0, return_index=True)
+    around = shapely.box(*(distinct.min(axis=0) - 99.0), *(distinct.max(axis=0) + 99.0))
+    if len(distinct) == 1:
+        regions[first] = around
+        return regions
+    parts = shapely.voronoi_polygons(shapely.multipoints(distinct), extend_to=around, ordered=True)
+    regions[first] = shapely.get_parts(parts)
+    return regions

@@ -36,7 +36,7 @@ def test_pools_cover_the_face_about_a_lamp_once():
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     normals = np.cross(u, v)
     assert (normals[:, 2] > 0).all()
-    assert normals[:, 2].sum() / 2 == pytest.approx(90.0, rel=0.12)
+    assert normals[:, 2].sum() / 2 == pytest.approx(90.0, rel=0.02)
 
 
 def test_no_lamp_and_no_face_have_no_pools():
