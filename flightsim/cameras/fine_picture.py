@@ -5,12 +5,14 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from flightsim.cameras.air import Air
 from flightsim.cameras.raycast_mesh import geom_triangles
 from flightsim.cameras.view import RgbdFrame, Viewpoint
+from flightsim.looks.bake import open_lamps
 from flightsim.looks.drawing import drawn_mesh
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.pixel_light import PixelLight
-from flightsim.looks.sky import HORIZON_RGB, painted_sky
+from flightsim.looks.sky import painted_sky
 from flightsim.looks.surfaces import FINE
 from flightsim.world import World
 
@@ -25,8 +27,12 @@ _ONE_SURFACE = 1.1
 class FineLight:
     """Light of a world, for pictures of one size with four samples per pixel."""
 
-    def __init__(self, world: World) -> None:
-        self._light = PixelLight(drawn_mesh(world.scene, world.solids, FINE))
+    def __init__(self, world: World, air: Air) -> None:
+        light = world.light
+        mesh = drawn_mesh(world.scene, world.solids, FINE, light)
+        lamps = open_lamps(mesh, world.solids, world.scene.relief) if light.is_dark else None
+        self._light = PixelLight(mesh, light, lamps)
+        self._air, self._sky = air, light.sky
 
     def frame(
         self,
@@ -50,13 +56,16 @@ class FineLight:
         seen = self._light.light(view.position_enu_m, rays, moving_enu_m)
         rgb = colours * seen.rgb
         haze = (1.0 - np.exp(-np.where(np.isfinite(depth_m), depth_m, 0.0) / _HAZE_M))[..., None]
-        rgb += haze * (np.array(HORIZON_RGB, dtype=np.float32) - rgb)
+        rgb += haze * (np.array(self._sky.horizon_rgb, dtype=np.float32) - rgb)
         is_sky = np.isinf(depth_m)
         towards = rays[is_sky]
         towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)
-        rgb[is_sky] = painted_sky(towards)
+        rgb[is_sky] = painted_sky(towards, self._sky)
+        rgb = self._air.hazed(rgb, depth_m, view, 1.0)
         rgb = np.clip(_squares(rgb).mean(axis=(1, 3)), 0.0, 1.0)
-        return view.frame(time_us, (255.0 * rgb + 0.5).astype(np.uint8), _pixel_depth(depth_m))
+        picture, depth_m = (255.0 * rgb + 0.5).astype(np.uint8), _pixel_depth(depth_m)
+        self._air.let_fall(picture, depth_m, view, time_us)
+        return view.frame(time_us, picture, depth_m)
 
 
 def vehicle_triangles(model: mujoco.MjModel, data: mujoco.MjData) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,7 @@ import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
+from flightsim.cameras.air import Air
 from flightsim.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
 from flightsim.cameras.gl_target import GlTarget, GlUnavailableError, new_gl_context
 from flightsim.cameras.mates import MateShapes
@@ -27,7 +28,6 @@ from flightsim.cameras.view import (
     look_at,
 )
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import BARE, FAST, FINE
 from flightsim.world import World
 
@@ -50,6 +50,7 @@ class GlCameraRenderer:
         self._gl = new_gl_context(width, height)
         self._stages: dict[str, _Stage] = {}
         self._fine_light: FineLight | None = None
+        self._air = Air(world)
         try:
             self._stage("depth")
         except mujoco.FatalError as error:
@@ -106,20 +107,19 @@ class GlCameraRenderer:
         time_us = round(data.time * 1e6)
         if quality == "fine":
             return self._lit(view, time_us, rgb, depth_m, stage)
-        _paint_sky(rgb, depth_m, view)
+        self._air.paint(rgb, depth_m, view, time_us)
         return view.frame(time_us, rgb, depth_m)
 
-    @staticmethod
-    def _aboard(stage: _Stage, view: Viewpoint, time_us: int) -> RgbdFrame:
+    def _aboard(self, stage: _Stage, view: Viewpoint, time_us: int) -> RgbdFrame:
         rgb, depth_m = stage.draw(view, has_vehicle=False)
-        _paint_sky(rgb, depth_m, view)
+        self._air.paint(rgb, depth_m, view, time_us)
         return view.frame(time_us, rgb, depth_m)
 
     def _lit(
         self, view: Viewpoint, time_us: int, rgb: np.ndarray, depth_m: np.ndarray, stage: _Stage
     ) -> RgbdFrame:
         if self._fine_light is None:
-            self._fine_light = FineLight(self._world)
+            self._fine_light = FineLight(self._world, self._air)
         colours = rgb.astype(np.float32) / 255
         movers_enu_m, _ = self._world.movers.triangles_enu(stage.poses.data)
         moving_enu_m = np.concatenate([stage.vehicles_enu_m(), movers_enu_m])
@@ -164,13 +164,6 @@ def _drawn_model(world: World, kind: _Kind) -> mujoco.MjModel:
     model.light_specular[:] = 0.0
     model.vis.quality.numslices, model.vis.quality.numstacks = FINE.slices, FINE.stacks
     return model
-
-
-def _paint_sky(rgb: np.ndarray, depth_m: np.ndarray, view: Viewpoint) -> None:
-    rows, columns = np.nonzero(np.isinf(depth_m))
-    if len(rows):
-        height, width = depth_m.shape
-        rgb[rows, columns] = sky_rgb(view.rays_enu_at(rows, columns, width, height))
 
 
 class _Stage:

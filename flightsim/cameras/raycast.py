@@ -15,6 +15,7 @@ import numpy as np
 
 from aeroscene.neighbourhood import neighbours_of
 from autonomy.types import Vector3
+from flightsim.cameras.air import Air
 from flightsim.cameras.fine_picture import SAMPLES, FineLight, vehicle_triangles
 from flightsim.cameras.mates import MateShapes
 from flightsim.cameras.raycast_mesh import geom_triangles
@@ -31,10 +32,9 @@ from flightsim.cameras.view import (
 from flightsim.looks.bake import lit
 from flightsim.looks.drawing import drawn_mesh
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.looks.light import light_rgb, surface_light
+from flightsim.looks.light import Light
 from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.rays import RayScene
-from flightsim.looks.sky import sky_rgb
 from flightsim.looks.surfaces import FAST, FINE
 from flightsim.world import World
 
@@ -61,10 +61,12 @@ class RaycastCameraRenderer:
         self._model = world.as_seen()
         self._poses = PoseCopy(self._model, world.camera_name)
         self._mates = MateShapes(world, self._model)
-        mesh = drawn_mesh(world.scene, world.solids, FAST)
+        light = world.light
+        mesh = drawn_mesh(world.scene, world.solids, FAST, light)
         solids = (*world.solids, *neighbours_of(world.scene))
-        mesh = lit(mesh, solids, world.scene.relief)
-        self._fast = _Stage(mesh, _far_m(world.model), is_lit=True)
+        mesh = lit(mesh, solids, world.scene.relief, light)
+        self._fast = _Stage(mesh, _far_m(world.model), light, is_lit=True)
+        self._air = Air(world)
         self._fine: tuple[_Stage, FineLight] | None = None
         self._ids: _Ids | None = None
 
@@ -112,10 +114,10 @@ class RaycastCameraRenderer:
         if quality == "fast":
             return self._frame(view, time_us, self._cast(view, has_vehicle=True))
         if self._fine is None:
-            mesh = drawn_mesh(self._world.scene, self._world.solids, FINE)
+            mesh = drawn_mesh(self._world.scene, self._world.solids, FINE, self._world.light)
             self._fine = (
-                _Stage(mesh, _far_m(self._world.model), is_lit=False),
-                FineLight(self._world),
+                _Stage(mesh, _far_m(self._world.model), self._world.light, is_lit=False),
+                FineLight(self._world, self._air),
             )
         stage, light = self._fine
         width, height = SAMPLES * self._width, SAMPLES * self._height
@@ -139,7 +141,8 @@ class RaycastCameraRenderer:
         normals = across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)
         # Moving surfaces are lit by sun and sky everywhere: shadows on them would cost rays.
         everywhere = np.ones(len(normals))
-        lit_rgb = rgb * light_rgb(surface_light(normals, everywhere, everywhere))
+        light = self._world.light
+        lit_rgb = rgb * light.rgb(light.surface(normals, everywhere, everywhere))
         return _with_moving(picture, view, self._width, self._height, corners, lit_rgb)
 
     def _moving(self, *, has_vehicle: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -155,18 +158,15 @@ class RaycastCameraRenderer:
         shape = (self._height, self._width)
         rgb = (255.0 * np.minimum(picture.rgb, 1.0) + 0.5).astype(np.uint8).reshape(*shape, 3)
         depth_m = picture.depth_m.reshape(shape)
-        is_sky = np.isinf(depth_m)
-        if is_sky.any():
-            rgb[is_sky] = sky_rgb(view.rays_enu(self._width, self._height)[is_sky])
+        self._air.paint(rgb, depth_m, view, time_us)
         return view.frame(time_us, rgb, depth_m)
 
 
 class _Stage:
-    """A painted mesh, and the light that its normals may contain."""
+    """A painted mesh, and how far it is drawn."""
 
-    def __init__(self, mesh: WorldMesh, far_m: float, *, is_lit: bool) -> None:
-        self._mesh = PaintedMesh(mesh)
-        self._is_lit = is_lit
+    def __init__(self, mesh: WorldMesh, far_m: float, light: Light, *, is_lit: bool) -> None:
+        self._mesh = PaintedMesh(mesh, light, is_lit=is_lit)
         self._far_m = far_m
 
     def cast(self, view: Viewpoint, width: int, height: int) -> _Picture:
@@ -174,8 +174,8 @@ class _Stage:
         rays = view.rays_enu(width, height).reshape(-1, 3)
         hits = self._mesh.hits(view.position_enu_m, rays).within(self._far_m)
         rgb = np.zeros((len(rays), 3), dtype=np.float32)
-        met, colours, light = self._mesh.colours(hits, view.focal_px(height))
-        rgb[met] = colours * light_rgb(light) if self._is_lit else colours
+        met, colours = self._mesh.colours(hits, view.focal_px(height))
+        rgb[met] = colours
         return _Picture(hits.distance.astype(np.float32), rgb)
 
 

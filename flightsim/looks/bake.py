@@ -16,21 +16,26 @@ from jaxtyping import Float
 from aeroscene.scene import Relief
 from aeroscene.scene.relief import ground_m
 from aeroscene.solids.shapes import Primitive
-from flightsim.looks.light import SUN_DIRECTION, is_sunward, normals_for_light, surface_light
+from flightsim.looks.lamps import Lamps, lamp_places
+from flightsim.looks.light import AFTERNOON, Light
 from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.rays import RayScene
-from flightsim.looks.shadows import cast, casters
+from flightsim.looks.shadows import Shadows, cast, casters
 from flightsim.looks.surfaces import rotation_enu
 from flightsim.looks.tessellation import unit_box
+from flightsim.looks.weather.sun import Direction
 
 _LARGE_FACE_M2 = 4.0
 """Area above which faces get shadows with edges; smaller ones are shaded per corner."""
 # Smaller or thinner solids cast no shadow that a camera would show.
 _LEAST_CASTER_M = 0.5
 _LEAST_CASTER_WIDTH_M = 0.04
-_OFF_SURFACE_M = 0.02  # start of rays before a surface, so that it does not hide itself
-_LAMP_LIGHT = 0.9  # light of lamps, almost the brightest
-_ROOF_M2 = 6.0  # least area of a face that counts as a roof
+_OFF_SURFACE_M = 0.02
+_LEVEL = 0.999
+_POOL_FACE_M2 = 25.0
+"""Area of level faces above which lamps get pools with an edge; markings may lie on smaller ones."""
+_LAMP_LIGHT = 0.9
+_ROOF_M2 = 6.0
 _UNDER_ROOF_M = 0.25
 """Distance before a face at which to test whether it is indoors."""
 # Straight up and four slanting directions, 42 degrees above the horizon.
@@ -42,13 +47,19 @@ _CIRCLE = np.linspace(0.0, 2 * np.pi, 17)[:-1]
 _DECAGON = np.linspace(0.0, 2 * np.pi, 11)[:-1]
 
 
-def lit(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = None) -> WorldMesh:
-    """Return the mesh with shadows on it and light in its normals.
+def lit(
+    mesh: WorldMesh,
+    solids: Sequence[Primitive],
+    relief: Relief | None = None,
+    light: Light = AFTERNOON,
+) -> WorldMesh:
+    """Mesh with shadows on it and light in its normals.
 
     Args:
         mesh: Mesh of the whole world, with true normals.
         solids: Solids that cast shadows.
         relief: Height of the ground; without it the ground is the plane z = 0.
+        light: Sun and sky.
     """
     face_of = _face_of_vertex(mesh)
     rings = _rings(mesh)
@@ -57,27 +68,48 @@ def lit(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = No
     face_normals = normals[mesh.face_first]
     above_m = middles[:, 2] - ground_m(relief, middles[:, 0], middles[:, 1])
     sky = _sky_share(mesh, face_of, middles, areas_m2, above_m)
-    is_exact = (areas_m2 > _LARGE_FACE_M2) & is_sunward(face_normals)
+    is_exact = (areas_m2 > _LARGE_FACE_M2) & light.is_sunward(face_normals)
     is_shown = ~np.array([paint.is_clear for paint in mesh.paints], dtype=bool)[mesh.face_paint]
     exact = np.flatnonzero(is_exact & is_shown)
     corners = np.concatenate([np.zeros(0, dtype=int), *(rings[f] for f in exact)])
     shadows = cast(
-        casters(_casters(solids)),
+        casters(_casters(solids, light.sun_direction), light.sun_direction),
         mesh.vertices_enu_m[corners],
         np.repeat(np.arange(len(exact)), mesh.face_count[exact]),
         face_normals[exact],
         is_ground_level=relief is None,
     )
-    sun = _sun_at_vertices(mesh, face_of, middles)
+    sun = _sun_at_vertices(mesh, face_of, middles, light)
     is_of_exact = np.isin(face_of, exact)
     whole = exact[shadows.is_whole]
     # Faces with exact shadows are lit wholly here; the overlay darkens parts of them.
     sun[is_of_exact] = 1.0
     sun[np.isin(face_of, whole)] = 0.0
-    light = surface_light(normals, sun, sky) * _mottling(mesh)
-    light[mesh.triangles[mesh.is_lamp()]] = _LAMP_LIGHT
-    base = replace(mesh, normals_enu=normals_for_light(light))
-    return base.with_overlay(_overlay(mesh, exact, shadows.face, shadows.corners_enu_m, sky))
+    number = light.surface(normals, sun, sky) * _mottling(mesh)
+    lamps = open_lamps(mesh, solids, relief) if light.is_dark else None
+    if lamps is not None:
+        number = np.minimum(1.0, number + lamps.light_at(mesh.vertices_enu_m, normals))
+    number[mesh.triangles[mesh.is_lamp()]] = _LAMP_LIGHT
+    base = replace(mesh, normals_enu=light.normals(number))
+    if lamps is not None:
+        return base.with_overlay(_pools(mesh, areas_m2, sky, lamps, light))
+    return base.with_overlay(_overlay(mesh, exact, shadows, sky, light))
+
+
+def open_lamps(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = None) -> Lamps:
+    """Lamps that have no roof above them.
+
+    Args:
+        mesh: Mesh of the whole world, with true normals.
+        solids: Solids, of which some are lamps.
+        relief: Height of the ground; without it the ground is the plane z = 0.
+    """
+    places = lamp_places(solids)
+    middles, areas_m2 = _middles_and_areas(mesh, _rings(mesh))
+    above_m = middles[:, 2] - ground_m(relief, middles[:, 0], middles[:, 1])
+    roofs = _roofs(mesh, _face_of_vertex(mesh), areas_m2, above_m)
+    places = places[_free_share(roofs, places) > 0.5]
+    return Lamps(places, places[:, 2] - ground_m(relief, places[:, 0], places[:, 1]))
 
 
 def _face_of_vertex(mesh: WorldMesh) -> np.ndarray:
@@ -128,12 +160,7 @@ def _sky_share(
 
     `above_m` is the height of the faces' middles above the ground.
     """
-    is_roof = (areas_m2 > _ROOF_M2) & (np.abs(mesh.normals_enu[mesh.face_first][:, 2]) > 0.5)
-    is_roof &= above_m > 1.5
-    face = face_of[mesh.triangles[:, 0]]
-    is_cover = face >= 0
-    is_cover[is_cover] = is_roof[face[is_cover]]
-    roofs = RayScene(mesh.corners_enu_m()[is_cover & ~mesh.is_clear()])
+    roofs = _roofs(mesh, face_of, areas_m2, above_m)
     face_normals = mesh.normals_enu[mesh.face_first]
     of_faces = _free_share(roofs, middles + _UNDER_ROOF_M * face_normals)
     is_round = face_of < 0
@@ -143,21 +170,35 @@ def _sky_share(
     return share
 
 
+def _roofs(
+    mesh: WorldMesh, face_of: np.ndarray, areas_m2: np.ndarray, above_m: np.ndarray
+) -> RayScene:
+    """Large faces high above the ground that are not upright."""
+    is_roof = (areas_m2 > _ROOF_M2) & (np.abs(mesh.normals_enu[mesh.face_first][:, 2]) > 0.5)
+    is_roof &= above_m > 1.5
+    face = face_of[mesh.triangles[:, 0]]
+    is_cover = face >= 0
+    is_cover[is_cover] = is_roof[face[is_cover]]
+    return RayScene(mesh.corners_enu_m()[is_cover & ~mesh.is_clear()])
+
+
 def _free_share(roofs: RayScene, points: np.ndarray) -> np.ndarray:
     free = [~roofs.is_hidden(points, np.broadcast_to(ray, points.shape)) for ray in _SKY_RAYS]
     return np.mean(free, axis=0)
 
 
-def _sun_at_vertices(mesh: WorldMesh, face_of: np.ndarray, middles: np.ndarray) -> np.ndarray:
-    """Visibility of the sun from each vertex, (v,): 0 or 1."""
+def _sun_at_vertices(
+    mesh: WorldMesh, face_of: np.ndarray, middles: np.ndarray, light: Light
+) -> np.ndarray:
+    """Whether the sun reaches each vertex, (v,) 0 or 1."""
     points = mesh.vertices_enu_m + _OFF_SURFACE_M * mesh.normals_enu
     is_flat = face_of >= 0
     # Corners lie on edges, where neighbouring faces would hide them: a tenth inwards.
     points[is_flat] += 0.1 * (middles[face_of[is_flat]] - points[is_flat])
     occluders = RayScene(mesh.corners_enu_m()[~mesh.is_clear()])
     sun = np.zeros(len(points))
-    ahead = np.flatnonzero(is_sunward(mesh.normals_enu))
-    towards = np.broadcast_to(-np.array(SUN_DIRECTION), (len(ahead), 3))
+    ahead = np.flatnonzero(light.is_sunward(mesh.normals_enu))
+    towards = np.broadcast_to(light.to_sun, (len(ahead), 3))
     sun[ahead] = ~occluders.is_hidden(points[ahead], towards)
     return sun
 
@@ -173,9 +214,9 @@ def _mottling(mesh: WorldMesh) -> np.ndarray:
     return factor
 
 
-def _casters(solids: Sequence[Primitive]) -> list[np.ndarray]:
+def _casters(solids: Sequence[Primitive], sun_direction: Direction) -> list[np.ndarray]:
     return [
-        _caster_corners(solid)
+        _caster_corners(solid, sun_direction)
         for solid in solids
         if max(solid.size_m) >= _LEAST_CASTER_M
         and sorted(solid.size_m)[1] >= _LEAST_CASTER_WIDTH_M
@@ -185,7 +226,7 @@ def _casters(solids: Sequence[Primitive]) -> list[np.ndarray]:
     ]
 
 
-def _caster_corners(solid: Primitive) -> np.ndarray:
+def _caster_corners(solid: Primitive, sun_direction: Direction) -> np.ndarray:
     """Points whose outline, seen from the sun, is that of the solid."""
     turn, middle = rotation_enu(solid), np.array(solid.position_enu_m)
     half_m = np.array(solid.size_m) / 2
@@ -198,13 +239,12 @@ def _caster_corners(solid: Primitive) -> np.ndarray:
         ring = np.stack([np.cos(_DECAGON), np.sin(_DECAGON), np.ones(10)], axis=1)
         both = np.concatenate([ring, ring * (1.0, 1.0, -1.0)])
         return (both * half_m) @ turn.T + middle
-    return _terminator(half_m, turn) + middle
+    return _terminator(half_m, turn, sun_direction) + middle
 
 
-def _terminator(half_m: np.ndarray, turn: np.ndarray) -> np.ndarray:
-    """Terminator on an ellipsoid at the origin, (16, 3): the border between light and shade."""
-    # On the unit sphere the terminator is a circle; scaling the sphere turns the sunlight.
-    pole = (np.array(SUN_DIRECTION) @ turn) / half_m
+def _terminator(half_m: np.ndarray, turn: np.ndarray, sun_direction: Direction) -> np.ndarray:
+    """Terminator on an ellipsoid at the origin, (16, 3)."""
+    pole = (np.array(sun_direction) @ turn) / half_m
     pole /= np.linalg.norm(pole)
     u = np.cross(pole, np.eye(3)[np.abs(pole).argmin()])
     u /= np.linalg.norm(u)
@@ -213,21 +253,45 @@ def _terminator(half_m: np.ndarray, turn: np.ndarray) -> np.ndarray:
 
 
 def _overlay(
-    mesh: WorldMesh, exact: np.ndarray, face: np.ndarray, corners: np.ndarray, sky: np.ndarray
+    mesh: WorldMesh, exact: np.ndarray, shadows: Shadows, sky: np.ndarray, light: Light
 ) -> WorldMesh:
     """Shadows as triangles in the paint of the faces below them."""
-    own = exact[face]
+    own, corners = exact[shadows.face], shadows.corners_enu_m
     first = mesh.face_first[own]
     normals = mesh.normals_enu[first]
-    light = surface_light(normals, np.zeros(len(own)), sky[first])
-    n = len(own)
+    number = light.surface(normals, np.zeros(len(own)), sky[first])
+    return _laid_over(mesh, own, corners, np.repeat(light.normals(number), 3, axis=0))
+
+
+def _pools(
+    mesh: WorldMesh, areas_m2: np.ndarray, sky: np.ndarray, lamps: Lamps, light: Light
+) -> WorldMesh:
+    """Pools of lamplight on large level faces, whose corners are too far apart to show them."""
+    is_level = mesh.normals_enu[mesh.face_first][:, 2] > _LEVEL
+    large = np.flatnonzero(is_level & (areas_m2 > _POOL_FACE_M2))
+    rings = _rings(mesh)
+    face, corners = lamps.pools([mesh.vertices_enu_m[rings[f]] for f in large])
+    own = large[face]
+    first = mesh.face_first[own]
+    normals = np.repeat(mesh.normals_enu[first], 3, axis=0)
+    flat = corners.reshape(-1, 3)
+    dark = light.surface(normals, np.zeros(len(flat)), np.repeat(sky[first], 3))
+    number = np.minimum(1.0, dark + lamps.light_at(flat, normals))
+    return _laid_over(mesh, own, corners, light.normals(number))
+
+
+def _laid_over(
+    mesh: WorldMesh, faces: np.ndarray, corners: np.ndarray, normals: np.ndarray
+) -> WorldMesh:
+    """Triangles (t, 3, 3) in the paint of the faces below them, (t,)."""
+    n = len(faces)
     return WorldMesh(
         mesh.paints,
         corners.reshape(-1, 3),
-        np.repeat(normals_for_light(light), 3, axis=0),
-        _tiles_on_faces(mesh, first, corners).reshape(-1, 2),
+        normals,
+        _tiles_on_faces(mesh, mesh.face_first[faces], corners).reshape(-1, 2),
         np.arange(3 * n, dtype=np.int32).reshape(-1, 3),
-        mesh.face_paint[own],
+        mesh.face_paint[faces],
         *(np.zeros(0, dtype=np.int32) for _ in range(3)),
     )
 

@@ -9,6 +9,7 @@ well. The vehicle is the same in both models, so `qpos` of one poses the other.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -18,27 +19,22 @@ from aeroscene.neighbourhood import neighbours_of
 from aeroscene.scene import Scene
 from aeroscene.solids.shapes import Primitive
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.looks.light import AMBIENT_RGB, SUN_DIRECTION, SUN_RGB
+from flightsim.looks.light import AFTERNOON, Light
 from flightsim.looks.mesh import MeshBuilder, WorldMesh, add_solids
 from flightsim.looks.neighbours import add_neighbours
 from flightsim.looks.paint import Paint
 from flightsim.looks.skins import Skin, skins
-from flightsim.looks.sky import HORIZON_RGB, ZENITH_RGB
 from flightsim.looks.surfaces import FAST, Detail
 from flightsim.looks.surroundings import add_surroundings
-from flightsim.looks.textures import tile
+from flightsim.looks.textures import lit_tile, tile
+from flightsim.looks.weathering import weathered
 
 _FAR_EXTENTS = 12.0
 """Far clip plane of cameras, in multiples of half the extent's diagonal."""
 
 
-def set_view(spec: mujoco.MjSpec, scene: Scene) -> None:
-    """Set clip planes, light and sky, the same in both models.
-
-    Args:
-        spec: Model, changed.
-        scene: Its scene, whose extent sets the clip planes.
-    """
+def set_view(spec: mujoco.MjSpec, scene: Scene, light: Light = AFTERNOON) -> None:
+    """Set clip planes, light and sky, the same in both models."""
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     spec.stat.center = (low + high) / 2
     spec.stat.extent = _half_diagonal_m(scene)
@@ -53,15 +49,15 @@ def set_view(spec: mujoco.MjSpec, scene: Scene) -> None:
     visual.quality.numquads = 1
     # No OpenGL shadows: a shadow map costs start-up time.
     visual.quality.shadowsize = 0
-    visual.headlight.ambient = AMBIENT_RGB
+    visual.headlight.ambient = light.ambient_rgb
     visual.headlight.diffuse = (0.0, 0.0, 0.0)
     visual.headlight.specular = (0.0, 0.0, 0.0)
     spec.worldbody.add_light(
         name="sun",
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
         pos=(0.0, 0.0, 100.0),
-        dir=SUN_DIRECTION,
-        diffuse=SUN_RGB,
+        dir=light.sun_direction,
+        diffuse=light.sun_rgb,
         specular=(0.15, 0.15, 0.15),
         ambient=(0.0, 0.0, 0.0),
         castshadow=True,
@@ -70,15 +66,19 @@ def set_view(spec: mujoco.MjSpec, scene: Scene) -> None:
         name="sky",
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
-        rgb1=ZENITH_RGB,
-        rgb2=HORIZON_RGB,
+        rgb1=light.sky.zenith_rgb,
+        rgb2=light.sky.horizon_rgb,
         width=128,
         height=768,
     )
 
 
 def add_looks(
-    spec: mujoco.MjSpec, scene: Scene, primitives: Sequence[Primitive], detail: Detail
+    spec: mujoco.MjSpec,
+    scene: Scene,
+    primitives: Sequence[Primitive],
+    detail: Detail,
+    light: Light = AFTERNOON,
 ) -> None:
     """Add the skins of the ground and of static solids to the world body.
 
@@ -86,36 +86,34 @@ def add_looks(
         spec: Model to add to.
         scene: Scene of the solids, with their categories and the ground.
         primitives: Solids to draw.
-        detail: Detail of round shapes, and light and textures of the skins.
+        detail: Detail of round shapes, and whether the skins are lit and have textures.
+        light: Sun, sky, season and weather.
     """
-    mesh = drawn_mesh(scene, primitives, detail)
+    mesh = drawn_mesh(scene, primitives, detail, light)
     if detail.has_light:
         # Imported here, because polygons and rays load only when someone draws.
         from flightsim.looks.bake import lit
 
-        mesh = lit(mesh, (*primitives, *neighbours_of(scene)), scene.relief)
+        mesh = lit(mesh, (*primitives, *neighbours_of(scene)), scene.relief, light)
     materials: dict[Paint, str] = {}
     for index, skin in enumerate(skins(mesh)):
         if skin.paint not in materials:
             materials[skin.paint] = f"paint{len(materials)}"
-            _add_material(spec, materials[skin.paint], skin.paint, detail)
+            _add_material(spec, materials[skin.paint], skin.paint, detail, light)
         _add_skin(spec, f"skin{index}", skin, materials[skin.paint])
 
 
-def drawn_mesh(scene: Scene, primitives: Sequence[Primitive], detail: Detail) -> WorldMesh:
-    """Return all static surfaces that a camera sees, with true normals.
-
-    Args:
-        scene: The scene, with its ground and what lies around it.
-        primitives: Its solids.
-        detail: Detail of round shapes.
-    """
+def drawn_mesh(
+    scene: Scene, primitives: Sequence[Primitive], detail: Detail, light: Light = AFTERNOON
+) -> WorldMesh:
+    """All static surfaces that a camera sees, with true normals and in the paints of a season."""
     builder = MeshBuilder(scene.relief)
     add_surroundings(builder, scene, _FAR_EXTENTS * _half_diagonal_m(scene))
     categories = {obj.id: obj.category for obj in scene.objects}
     add_solids(builder, primitives, categories, detail)
     add_neighbours(builder, neighbours_of(scene))
-    return builder.mesh()
+    mesh = builder.mesh()
+    return replace(mesh, paints=tuple(weathered(paint, light) for paint in mesh.paints))
 
 
 def _half_diagonal_m(scene: Scene) -> float:
@@ -123,12 +121,19 @@ def _half_diagonal_m(scene: Scene) -> float:
     return float(np.linalg.norm(span)) / 2
 
 
-def _add_material(spec: mujoco.MjSpec, name: str, paint: Paint, detail: Detail) -> None:
+def _add_material(
+    spec: mujoco.MjSpec, name: str, paint: Paint, detail: Detail, light: Light
+) -> None:
     # Highlights need true normals, which lit skins lack.
     surface = spec.add_material(name=name, rgba=(*paint.rgb, 1.0), specular=0.0, reflectance=0.0)
     if paint.texture is None or not detail.has_textures:
         return
-    picture = tile(paint.texture, paint.rgb)
+    if paint.is_lit_within:
+        picture = lit_tile(paint.texture, paint.rgb, light.wall_rgb)
+        # The picture has its own light: full emission keeps the lamps outside from adding to it.
+        surface.emission = 1.0
+    else:
+        picture = tile(paint.texture, paint.rgb)
     texture = spec.add_texture(
         name=name,
         type=mujoco.mjtTexture.mjTEXTURE_2D,

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flightsim.looks.light import SUN_DIRECTION
+from flightsim.looks.lamps import Lamps
+from flightsim.looks.light import AFTERNOON, Light
 from flightsim.looks.mesh import WorldMesh
 from flightsim.looks.rays import NOTHING, RayScene
 
-_TO_SUN = -np.array(SUN_DIRECTION, dtype=np.float32)
 _SUN_RGB = np.array([1.04, 0.97, 0.85], dtype=np.float32)
+"""Light of the afternoon's sun; this and the sky's light are scaled to other hours."""
 _SUN_SPREAD = 0.012
 """Radius of the sun's disc, rad: three times the real one, for softer edges."""
 _ZENITH_RGB = np.array([0.36, 0.42, 0.52], dtype=np.float32)
@@ -59,7 +60,14 @@ class Seen:
 class PixelLight:
     """Lights a view of a mesh and of a vehicle in it."""
 
-    def __init__(self, mesh: WorldMesh) -> None:
+    def __init__(
+        self, mesh: WorldMesh, light: Light = AFTERNOON, lamps: Lamps | None = None
+    ) -> None:
+        """Prepare a mesh with true normals for the light of an hour, and for lamps at night."""
+        self._sources, self._lamps = _Sources.of(light), lamps
+        self._is_lit_within = np.array([paint.is_lit_within for paint in mesh.paints], dtype=bool)[
+            mesh.triangle_paint
+        ]
         self._corners = mesh.corners_enu_m().astype(np.float32)
         self._normals = mesh.normals_enu[mesh.triangles].astype(np.float32)
         self._is_clear = mesh.is_clear()
@@ -85,7 +93,8 @@ class PixelLight:
         is_lamp = np.concatenate([self._is_lamp, np.zeros(len(vehicle_enu_m), dtype=bool)])
         # The eye sees glass; light passes through it.
         seen = RayScene(corners)
-        solid = _Surroundings(RayScene(corners[~is_clear]), is_lamp[~is_clear])
+        is_lit_within = np.append(self._is_lit_within, np.zeros(len(vehicle_enu_m), dtype=bool))
+        solid = _Surroundings(RayScene(corners[~is_clear]), is_lamp[~is_clear], self._sources)
         shape = rays_enu.shape[:2]
         depth = np.full(shape, np.inf, dtype=np.float32)
         triangle = np.full(shape, NOTHING)
@@ -107,18 +116,54 @@ class PixelLight:
             starts = points + off * facing
             light = _scattered(solid, starts, facing, rng)
             light[is_lamp[own]] = np.maximum(light[is_lamp[own]], _LEAST_ON_LAMPS)
+            if self._lamps is not None:
+                light += self._lamps.light_at(starts, facing)[:, None] * self._sources.lamp_rgb
+            sunlight = _direct(solid, starts, facing, rng)
             for array, values in (
                 (rgb, light),
                 (normal, facing),
-                (sun[..., None], _direct(solid, starts, facing, rng)[:, None]),
+                (sun[..., None], sunlight[:, None]),
             ):
                 array[band].reshape(len(rays), -1)[met] = values
             depth[band] = hits.distance.reshape(depth[band].shape)
             triangle[band] = hits.triangle.reshape(depth[band].shape)
         same = _Neighbours(depth, normal)
-        # The sun keeps its sharp shadows: its light is averaged over fewer pixels.
-        light_rgb = same.averaged(rgb, _STEPS) + same.averaged(sun[..., None], (1,)) * _SUN_RGB
-        return Seen(depth, _exposed(light_rgb), triangle)
+        sunlit = same.averaged(sun[..., None], (1,)) * self._sources.sun_rgb
+        exposed = _exposed(same.averaged(rgb, _STEPS) + sunlit)
+        # Triangle -1 is nothing; the last entry of the table stands for it.
+        exposed[np.append(is_lit_within, False)[triangle]] = 1.0
+        return Seen(depth, exposed, triangle)
+
+
+@dataclass(frozen=True, eq=False)
+class _Sources:
+    """What shines, in the colours of an hour."""
+
+    to_sun: np.ndarray
+    sun_rgb: np.ndarray
+    """Light of the sun; zero if it is hidden or down."""
+    zenith_rgb: np.ndarray
+    level_rgb: np.ndarray
+    bounce_rgb: np.ndarray
+    lamp_rgb: np.ndarray
+
+    @classmethod
+    def of(cls, light: Light) -> _Sources:
+        """The afternoon's sources, scaled as the two colours of another light are to its own."""
+        day = AFTERNOON
+        sun = light.sun_share / day.sun_share * np.array(light.sun_rgb) / np.array(day.sun_rgb)
+        sky = np.array(light.wall_rgb) / np.array(day.wall_rgb)
+        level = np.array([[0.0, 0.0, 1.0]])
+        lit = [each.rgb(each.surface(level, np.ones(1), np.ones(1)))[0] for each in (light, day)]
+        rows = (
+            (light.to_sun, 1.0),
+            (_SUN_RGB, sun),
+            (_ZENITH_RGB, sky),
+            (_LEVEL_RGB, sky),
+            (_BOUNCE_RGB, lit[0] / lit[1]),
+            (np.array(light.sun_rgb), 1.0),
+        )
+        return cls(*((colour * factor).astype(np.float32) for colour, factor in rows))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,18 +172,21 @@ class _Surroundings:
 
     rays: RayScene
     is_lamp: np.ndarray
-    """(t,) bool: true for triangles of lamps."""
+    """(t,) bool."""
+    sources: _Sources
 
 
 def _direct(
     around: _Surroundings, points: np.ndarray, normals: np.ndarray, rng: np.random.Generator
 ) -> np.ndarray:
     """Sunlight on points (n,), by one ray each to a random point of its disc."""
-    cosine = normals @ _TO_SUN
+    sun = np.zeros(len(points), dtype=np.float32)
+    if not around.sources.sun_rgb.any():
+        return sun
+    cosine = normals @ around.sources.to_sun
     ahead = np.flatnonzero(cosine > 0)
     spread = rng.standard_normal((len(ahead), 3), dtype=np.float32) * _SUN_SPREAD
-    sun = np.zeros(len(points), dtype=np.float32)
-    is_hidden = around.rays.is_hidden(points[ahead], _TO_SUN + spread)
+    is_hidden = around.rays.is_hidden(points[ahead], around.sources.to_sun + spread)
     sun[ahead] = np.where(is_hidden, 0.0, cosine[ahead])
     return sun
 
@@ -148,7 +196,7 @@ def _scattered(
 ) -> np.ndarray:
     """Light on points (n, 3) from everything but the sun, with the grain of few rays."""
     n = len(points)
-    rgb = np.zeros((n, 3), dtype=np.float32)
+    rgb, sources = np.zeros((n, 3), dtype=np.float32), around.sources
     turn = rng.random(n, dtype=np.float32)
     u, v = _tangents(normals)
     for k in range(_N_SKY_RAYS):
@@ -161,9 +209,9 @@ def _scattered(
         rays = x[:, None] * u + y[:, None] * v + height[:, None] * normals
         hits = around.rays.first_hits(points, rays)
         up = np.clip(rays[:, 2:], 0.0, 1.0)
-        sky = _LEVEL_RGB + up * (_ZENITH_RGB - _LEVEL_RGB)
+        sky = sources.level_rgb + up * (sources.zenith_rgb - sources.level_rgb)
         near = 1.0 - np.exp(-np.minimum(hits.distance, 50.0) / _BOUNCE_REACH_M)
-        from_things = near[:, None] * _BOUNCE_RGB
+        from_things = near[:, None] * sources.bounce_rgb
         from_things[around.is_lamp[hits.triangle]] = _LAMP_RGB
         is_free = (hits.triangle == NOTHING)[:, None]
         rgb += np.where(is_free, sky, from_things) / _N_SKY_RAYS

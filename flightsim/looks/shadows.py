@@ -13,13 +13,7 @@ import numpy as np
 import shapely
 from jaxtyping import Float, Int
 
-from flightsim.looks.light import SUN_DIRECTION
-
-_TO_SUN = -np.array(SUN_DIRECTION)
-_EAST = np.cross((0.0, 0.0, 1.0), _TO_SUN)
-_EAST /= np.linalg.norm(_EAST)
-_ACROSS = np.stack([_EAST, np.cross(_TO_SUN, _EAST)], axis=1)
-"""Projection (3, 2) from ENU to the coordinates across the sunlight, seen from the sun."""
+from flightsim.looks.weather.sun import Direction
 
 _TOUCH_M = 0.03
 """Least reach of a caster before a face; with less it stands on the face or belongs to it."""
@@ -39,6 +33,9 @@ class Casters:
     corners_enu_m: Float[np.ndarray, "n k 3"]
     outlines: np.ndarray
     """Outlines (n,) as polygons across the sunlight."""
+    across: Float[np.ndarray, "3 2"]
+    """Projection from ENU to the coordinates across the sunlight, seen from the sun."""
+    to_sun: Float[np.ndarray, " 3"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +50,17 @@ class Shadows:
     """Corners counter-clockwise from outside."""
 
 
-def casters(solids: list[np.ndarray]) -> Casters:
-    """Prepare solids given by their corners, (k, 3) each."""
+def casters(solids: list[np.ndarray], sun_direction: Direction) -> Casters:
+    """Prepare solids given by their corners, (k, 3) each, for a direction of sunlight."""
+    to_sun = -np.array(sun_direction)
+    # North takes the place of up where the sun stands in the zenith.
+    east = np.cross((0.0, 1.0, 0.0) if to_sun[2] > 0.999 else (0.0, 0.0, 1.0), to_sun)
+    east /= np.linalg.norm(east)
+    across = np.stack([east, np.cross(to_sun, east)], axis=1)
     most = max((len(corners) for corners in solids), default=1)
     rows = [np.concatenate([c, np.repeat(c[:1], most - len(c), axis=0)]) for c in solids]
     corners = np.array(rows).reshape(-1, most, 3)
-    return Casters(corners, _outlines(corners @ _ACROSS))
+    return Casters(corners, _outlines(corners @ across), across, to_sun)
 
 
 def cast(
@@ -78,7 +80,7 @@ def cast(
         normals_enu: Outward normals.
         is_ground_level: True if the ground is the plane z = 0, on which many faces share shadows.
     """
-    rings = shapely.linearrings(corners_enu_m @ _ACROSS, indices=face_of_corner)
+    rings = shapely.linearrings(corners_enu_m @ casters_.across, indices=face_of_corner)
     polygons = np.asarray(shapely.polygons(rings))
     _, first = np.unique(face_of_corner, return_index=True)
     offset = np.einsum("fi,fi->f", normals_enu, corners_enu_m[first])
@@ -93,7 +95,9 @@ def cast(
     is_kept = ~is_whole[face] & (shapely.area(shade) > _LEAST_AREA_M2)
     piece, triangles = _triangles(shade[is_kept])
     of_face = face[is_kept][piece]
-    return Shadows(is_whole, of_face, _lifted(triangles, normals_enu[of_face], offset[of_face]))
+    return Shadows(
+        is_whole, of_face, _lifted(casters_, triangles, normals_enu[of_face], offset[of_face])
+    )
 
 
 def _on_ground(casters_: Casters, polygons: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -123,7 +127,7 @@ def _on_planes(
     face, caster, ahead_m = face[is_before], caster[is_before], ahead_m[is_before]
     outlines = casters_.outlines[caster]
     is_cut = ahead_m.min(axis=1) < -_TOUCH_M
-    outlines[is_cut] = _before_plane(casters_.corners_enu_m[caster[is_cut]], ahead_m[is_cut])
+    outlines[is_cut] = _before_plane(casters_, caster[is_cut], ahead_m[is_cut])
     order = np.argsort(face, kind="stable")
     faces, starts = np.unique(face[order], return_index=True)
     groups = np.split(outlines[order], starts[1:]) if len(faces) else []
@@ -136,15 +140,15 @@ def _outlines(points: np.ndarray) -> np.ndarray:
     return np.asarray(shapely.convex_hull(shapely.linestrings(points)))
 
 
-def _before_plane(corners: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
-    """Outlines of the parts of solids before a plane, given their corners' distances.
+def _before_plane(casters_: Casters, some: np.ndarray, ahead_m: np.ndarray) -> np.ndarray:
+    """Outlines of the parts of some casters before a plane, given their corners' distances.
 
     The cut passes through a point between each corner before the plane and each behind it.
     """
-    if not len(corners):
+    if not len(some):
         return np.zeros(0, dtype=object)
-    across = corners @ _ACROSS
-    # Padding repeats the first corner and must not count again.
+    corners = casters_.corners_enu_m[some]
+    across = corners @ casters_.across
     is_new = np.ones(ahead_m.shape, dtype=bool)
     is_new[:, 1:] = (corners[:, 1:] != corners[:, :1]).any(axis=2)
     is_before, is_behind = is_new & (ahead_m > 0), is_new & (ahead_m <= 0)
@@ -174,10 +178,11 @@ def _triangles(shade: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return index[is_kept], corners[is_kept]
 
 
-def _lifted(triangles: np.ndarray, normals: np.ndarray, offset: np.ndarray) -> np.ndarray:
+def _lifted(
+    casters_: Casters, triangles: np.ndarray, normals: np.ndarray, offset: np.ndarray
+) -> np.ndarray:
     """Corners across the sunlight projected back onto their faces, (t, 3, 3)."""
-    aside = triangles @ _ACROSS.T
-    # Move along the sunlight until the plane of the face is met.
+    aside = triangles @ casters_.across.T
     depth = offset[:, None] - np.einsum("tki,ti->tk", aside, normals)
-    along = depth / (normals @ _TO_SUN)[:, None]
-    return aside + along[..., None] * _TO_SUN + _LIFT_M * normals[:, None]
+    along = depth / (normals @ casters_.to_sun)[:, None]
+    return aside + along[..., None] * casters_.to_sun + _LIFT_M * normals[:, None]

@@ -1,6 +1,7 @@
 """Sky of both camera renderers, painted where a picture shows nothing: haze, hills, clouds, sun.
 
-The sun is at its direction in `light`; below the horizon there is land too far to be drawn.
+Below the horizon there is land too far to be drawn. The colours, the sun and the cover of clouds
+are those of a `SkyColours`.
 """
 
 from __future__ import annotations
@@ -10,16 +11,11 @@ import functools
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from flightsim.looks.light import SUN_DIRECTION
+from flightsim.looks.light import AFTERNOON, SkyColours
 
-HORIZON_RGB = (0.80, 0.87, 0.93)
-ZENITH_RGB = (0.26, 0.47, 0.80)
 FAR_LAND_RGB = (0.60, 0.70, 0.66)
 """Colour to which land fades in the distance."""
 
-_HORIZON = np.array(HORIZON_RGB, dtype=np.float32)
-_ZENITH = np.array(ZENITH_RGB, dtype=np.float32)
-_TO_SUN = -np.array(SUN_DIRECTION, dtype=np.float32)
 _SUN_RADIUS_RAD = 0.022
 """Radius of the sun, larger than the real one, so that a small picture shows it."""
 _FAR_LAND = np.array(FAR_LAND_RGB, dtype=np.float32)
@@ -35,69 +31,101 @@ _HIGHEST_LAND = 0.08
 # The table is a stereographic picture of the sky about the zenith; the horizon has radius 1.
 _TABLE_PIXELS = 540
 _TABLE_REACH = 1.12
-_LATTICE = 64  # cells of the noise, after which it repeats
+_LATTICE = 64
+_STAR_CELLS = 60.0
+"""Cells of the grid of stars from the zenith to the horizon."""
+_STAR_RADIUS = 0.16
+"""Radius of a star in cells: a third of a degree, as fine as the table."""
 
 
-def sky_rgb(rays_enu: Float[np.ndarray, "n 3"]) -> UInt8[np.ndarray, "n 3"]:
-    """Return the colour of the sky along rays of any length, from a table of a third of a degree.
-
-    The table costs one look-up a pixel; `painted_sky` computes noise for each.
-    """
+def sky_rgb(
+    rays_enu: Float[np.ndarray, "n 3"], colours: SkyColours = AFTERNOON.sky
+) -> UInt8[np.ndarray, "n 3"]:
+    """Colour of the sky along rays of any length, from a table of a third of a degree."""
     x, y, z = np.asarray(rays_enu, dtype=np.float32).T
     scale = np.sqrt(x * x + y * y + z * z) + z
     # Straight down there is no sky; any finite number works.
     scale = (_TABLE_PIXELS / 2 / _TABLE_REACH) / np.maximum(scale, 1e-6)
     column = np.clip(x * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
     row = np.clip(y * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
-    return _table()[row, column]
+    return _table(colours)[row, column]
 
 
-def painted_sky(directions: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-    """Return the exact colour of the sky along unit directions, 0 to 1."""
+def painted_sky(
+    directions: Float[np.ndarray, "n 3"], colours: SkyColours = AFTERNOON.sky
+) -> Float[np.ndarray, "n 3"]:
+    """Colour of the sky along unit directions, 0 to 1, exact: for pictures and for the table."""
     x, y, z = np.asarray(directions, dtype=np.float32).T
     up = np.clip(z, 0.0, 1.0)
-    rgb = _HORIZON + np.sqrt(up)[:, None] * (_ZENITH - _HORIZON)
-    # Angle to the sun: its glow fades over degrees, its disc has an edge.
-    to_sun = np.arccos(np.clip(directions @ _TO_SUN, -1.0, 1.0)).astype(np.float32)
-    glow = 0.30 * np.exp(-to_sun / 0.16) + 0.25 * np.exp(-to_sun / 0.04)
+    horizon, zenith = (
+        np.array(each, dtype=np.float32) for each in (colours.horizon_rgb, colours.zenith_rgb)
+    )
+    towards = np.array(colours.to_sun, dtype=np.float32)
+    rgb = horizon + np.sqrt(up)[:, None] * (zenith - horizon)
+    to_sun = np.arccos(np.clip(directions @ towards, -1.0, 1.0)).astype(np.float32)
+    glow = colours.sun * (0.30 * np.exp(-to_sun / 0.16) + 0.25 * np.exp(-to_sun / 0.04))
     rgb += glow[:, None] * np.array([1.0, 0.93, 0.75], np.float32)
-    # Near the horizon clouds would be endless and flicker.
+    if colours.stars > 0.0:
+        rgb += colours.stars * _stars(x, y, up)[:, None]
     has_clouds = up > 0.02
-    rgb[has_clouds] = _with_clouds(*(part[has_clouds] for part in (rgb, x, y, up, to_sun)))
-    is_sun = np.clip((_SUN_RADIUS_RAD - to_sun) / 0.004, 0.0, 1.0)[:, None]
+    parts = (part[has_clouds] for part in (rgb, x, y, up, to_sun))
+    rgb[has_clouds] = _with_clouds(*parts, colours)
+    is_sun = colours.sun * np.clip((_SUN_RADIUS_RAD - to_sun) / 0.004, 0.0, 1.0)[:, None]
     rgb += is_sun * (np.array([1.0, 0.98, 0.90], np.float32) - rgb)
     is_low = z < _HIGHEST_LAND
-    rgb[is_low] = _with_land(*(part[is_low] for part in (rgb, x, y, z)))
+    rgb[is_low] = _with_land(*(part[is_low] for part in (rgb, x, y, z)), colours)
     return np.clip(rgb, 0.0, 1.0)
 
 
 def _with_clouds(
-    rgb: np.ndarray, x: np.ndarray, y: np.ndarray, up: np.ndarray, to_sun: np.ndarray
+    rgb: np.ndarray,
+    x: np.ndarray,
+    y: np.ndarray,
+    up: np.ndarray,
+    to_sun: np.ndarray,
+    colours: SkyColours,
 ) -> np.ndarray:
-    """Add fair-weather clouds on a plane overhead, thinner towards the horizon."""
-    # A ray meets a plane overhead at 1 / up; the addition keeps the horizon finite.
+    """Clouds on a plane overhead, thinner towards the horizon."""
     reach = 1.0 / (up + 0.11)
     u, v = 1.6 * x * reach, 1.6 * y * reach
     shape = sum(_noise(u * f + 7.0 * f, v * f, k) / f for k, f in enumerate((1.0, 2.1, 4.3, 8.9)))
-    cover = np.clip(1.5 * (shape - 0.42), 0.0, 1.0) * np.clip(up / 0.12, 0.0, 1.0)
-    lit = np.clip(0.9 - 0.55 * (shape - 0.42) + 0.2 * np.exp(-to_sun / 0.5), 0.0, 1.0)[:, None]
+    over = shape - np.float32(colours.cover)
+    cover = np.clip(1.5 * over, 0.0, 1.0) * np.clip(up / 0.12, 0.0, 1.0)
+    lit = np.clip(0.9 - 0.55 * over + 0.2 * np.exp(-to_sun / 0.5), 0.0, 1.0)[:, None]
     cloud = _CLOUD_SHADE_RGB + lit * (_CLOUD_RGB - _CLOUD_SHADE_RGB)
+    cloud = cloud * np.array(colours.land, dtype=np.float32)
     return rgb + 0.92 * cover[:, None] * (cloud - rgb)
 
 
-def _with_land(rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
-    """Add hills and woods along the horizon, and far land below it."""
+def _with_land(
+    rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray, colours: SkyColours
+) -> np.ndarray:
+    """Hills and woods along the horizon, far land below it."""
     # Sample around the circle, so that the silhouette closes.
     level = 1.0 / np.maximum(np.hypot(x, y), 1e-6)
+    factors = np.array(colours.land, dtype=np.float32)
     u, v = x * level, y * level
     hills = 0.030 + 0.020 * _noise(2.2 * u + 9.0, 2.2 * v, 5) + 0.006 * _noise(7 * u, 7 * v + 5, 6)
     woods = 0.007 + 0.005 * _noise(9 * u, 9 * v + 3, 7) + 0.003 * _noise(60 * u, 60 * v, 8)
     for height, colour in ((hills, _HILL_RGB), (woods, _WOOD_RGB)):
         is_below = np.clip((height - z) / 0.002, 0.0, 1.0)[:, None]
-        rgb = rgb + is_below * (colour - rgb)
+        rgb = rgb + is_below * (colour * factors - rgb)
     is_land = np.clip(0.5 - z / 0.003, 0.0, 1.0)[:, None]
     land = _FAR_LAND + np.clip(-z / 0.10, 0.0, 1.0)[:, None] * (_NEAR_LAND - _FAR_LAND)
-    return rgb + is_land * (land - rgb)
+    return rgb + is_land * (land * factors - rgb)
+
+
+def _stars(x: np.ndarray, y: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """Brightness of stars: one point at a random place in some cells of a grid over the sky."""
+    # The stereographic grid has cells of about the same size everywhere above the horizon.
+    u, v = (_STAR_CELLS * part / (1.0 + up) + _LATTICE for part in (x, y))
+    column, row = np.floor(u).astype(np.int32), np.floor(v).astype(np.int32)
+    cell = (row * 31 + column) % _LATTICE**2
+    across, along, brightness = (_lattice(octave).take(cell) for octave in (11, 12, 13))
+    away = np.hypot(u - column - 0.5 - 0.3 * across, v - row - 0.5 - 0.3 * along)
+    # A third of the cells have a star, and few stars are bright.
+    power = np.clip((brightness - 0.35) / 0.65, 0.0, 1.0) ** 3
+    return power * np.clip(1.0 - away / _STAR_RADIUS, 0.0, 1.0) * np.clip(up / 0.15, 0.0, 1.0)
 
 
 def _noise(u: np.ndarray, v: np.ndarray, octave: int) -> np.ndarray:
@@ -120,12 +148,12 @@ def _lattice(octave: int) -> np.ndarray:
     return rng.uniform(-1.0, 1.0, (_LATTICE, _LATTICE)).astype(np.float32)
 
 
-@functools.cache
-def _table() -> np.ndarray:
+@functools.lru_cache(maxsize=4)
+def _table(colours: SkyColours) -> np.ndarray:
     """Table (rows, columns, 3) uint8; y and x of the stereographic picture."""
     axis = (np.arange(_TABLE_PIXELS) + 0.5 - _TABLE_PIXELS / 2) * 2 * _TABLE_REACH / _TABLE_PIXELS
     x, y = np.meshgrid(axis.astype(np.float32), axis.astype(np.float32))
     squared = x * x + y * y
     directions = np.stack([2 * x, 2 * y, 1 - squared], axis=2) / (1 + squared)[..., None]
-    rgb = painted_sky(directions.reshape(-1, 3))
+    rgb = painted_sky(directions.reshape(-1, 3), colours)
     return (255.0 * rgb + 0.5).astype(np.uint8).reshape(_TABLE_PIXELS, _TABLE_PIXELS, 3)

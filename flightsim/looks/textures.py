@@ -35,6 +35,8 @@ PATTERNS: Mapping[str, Pattern] = MappingProxyType(
 )
 """Patterns by the names that materials use: every public function of the patterns' modules."""
 
+_LAMPLIGHT = np.array([1.0, 0.82, 0.52], dtype=np.float32)
+
 _LARGE = frozenset(
     {"grass", *(name for name in PATTERNS if PATTERNS[name].__module__ == facades.__name__)}
 )
@@ -48,23 +50,48 @@ def tile(texture: str, rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
         texture: Name of the pattern; an unknown name gets the pattern of plaster.
         rgb: Colour of the material, 0 to 1.
     """
-    black, white = _in_black_and_white(texture if texture in PATTERNS else "plaster")
-    picture = black + np.asarray(rgb, dtype=np.float32) * (white - black)
+    picture, _ = _painted(texture, rgb)
+    return _in_bytes(picture)
+
+
+@functools.lru_cache(maxsize=512)
+def lit_tile(texture: str, rgb: Colour, outside_rgb: Colour) -> UInt8[np.ndarray, "n n 3"]:
+    """Picture of one tile of a facade at night, with light in some of its windows.
+
+    Args:
+        texture: Name of the pattern.
+        rgb: Colour of the material, 0 to 1.
+        outside_rgb: Light on the wall, by which the picture is dimmed outside of those windows.
+    """
+    picture, is_pane = _painted(texture, rgb)
+    grey = picture.mean(axis=2, keepdims=True)
+    within = _LAMPLIGHT * (0.45 + 0.75 * grey)
+    dimmed = picture * np.array(outside_rgb, dtype=np.float32)
+    return _in_bytes(np.where(is_pane[..., None], within, dimmed))
+
+
+def _painted(texture: str, rgb: Colour) -> tuple[np.ndarray, np.ndarray]:
+    """A pattern in a colour, and its pixels behind which lamps shine at night."""
+    black, white, is_pane = _in_black_and_white(texture if texture in PATTERNS else "plaster")
+    return black + np.asarray(rgb, dtype=np.float32) * (white - black), is_pane
+
+
+def _in_bytes(picture: np.ndarray) -> np.ndarray:
     tile_rgb = np.clip(255.0 * picture + 0.5, 0, 255).astype(np.uint8)
     tile_rgb.setflags(write=False)
     return tile_rgb
 
 
 @functools.cache
-def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return a pattern in the two colours between which all others are interpolated."""
+def _in_black_and_white(texture: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A pattern in the two colours between which all others are interpolated, and its panes."""
     n_pixels = LARGE_TILE_PIXELS if texture in _LARGE else TILE_PIXELS
     # A checksum as the seed: Python's own hash differs from run to run.
     canvas = Canvas(n_pixels, zlib.crc32(texture.encode()))
     black = PATTERNS[texture](canvas, np.zeros(3, dtype=np.float32))
     canvas.rewind()
     white = PATTERNS[texture](canvas, np.ones(3, dtype=np.float32))
-    return black.astype(np.float32), white.astype(np.float32)
+    return black.astype(np.float32), white.astype(np.float32), canvas.panes
 
 
 def coarser(picture: UInt8[np.ndarray, "n n 3"], factor: int) -> UInt8[np.ndarray, "m m 3"]:

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
+import numpy as np
+
 from aeroscene.ranges import SEEDS, Range, require_ranges
 from flightsim.autopilot.environment_parameters import wind_parameters
 from flightsim.bridges import STACKS
@@ -18,6 +20,7 @@ from flightsim.environment.effects import Effects
 from flightsim.environment.traffic import TrafficCfg
 from flightsim.environment.wind import MAX_GUST_MPS, MAX_WIND_MPS, WindCfg, turbulence_mps
 from flightsim.lidars import lidar_by_name
+from flightsim.looks.weather import RANDOM, Season, Weather, draw_weather, parse_weather
 from flightsim.mavlink.links import LinkError, OutAddress, SerialLine
 from flightsim.mavlink.personalities import PERSONALITIES
 from flightsim.mavlink.signing import Signing, SigningKeyError, read_key
@@ -29,6 +32,7 @@ from flightsim.vehicles.camera_options import with_cameras
 
 MAX_INSTANCES = 100
 _LEAST_PX, _MOST_PX = 16, 4096
+_LIGHT_STREAM = 0x11647
 _TICKS_PER_BURST = 10
 """Ticks whose telemetry leaves together at full speed, where they take about a millisecond.
 
@@ -76,6 +80,12 @@ class TestbenchCfg:
     camera: tuple[str, ...] = ()
     """Cameras to change or to add, such as forward,fov=90,pitch=10 or left,yaw=90,x=0.1,y=0.05,z=0;
     degrees, and metres from the centre of mass. See docs/sensors.md."""
+    light: str = ""
+    """Time of day and weather of camera images: terms with commas between them, such as dusk, fog
+    80 m or 11:30, rain, or random, which the seed draws; by default a fair afternoon. It changes
+    colours alone, no depth and no flight. See docs/light.md."""
+    season: Season = "summer"
+    """Season of leaves, grass and the date of the light: spring, summer, autumn or winter."""
     segmentation: bool = False
     """Give frames of the cameras the object and the class of each pixel."""
     lidar: str = ""
@@ -124,8 +134,7 @@ class TestbenchCfg:
         with_cameras(airframe_by_name(self.vehicle), self.camera)
         if self.lidar:
             lidar_by_name(self.lidar)
-        # Each property parses its option, and raises if it cannot.
-        _ = self.camera_size_px
+        _ = self.camera_size_px, self.weather
         _ = (
             self.wind_cfg,
             self.traffic_cfg,
@@ -157,6 +166,18 @@ class TestbenchCfg:
                     f"{name.replace('_', '-')} {shown} is our autopilot's, and "
                     f"{self.autopilot} flies; valid: --autopilot builtin"
                 )
+
+    @property
+    def weather(self) -> Weather:
+        """Time of day, weather and season of camera images; random ones follow from the seed.
+
+        Raises:
+            WeatherError: If the words name none.
+        """
+        if self.light.strip().lower() != RANDOM:
+            return parse_weather(self.light, self.season)
+        # A stream of its own, so that a choice of light moves no other draw of the flight.
+        return draw_weather(np.random.default_rng([_LIGHT_STREAM, self.seed]), self.season)
 
     @property
     def wind_cfg(self) -> WindCfg:

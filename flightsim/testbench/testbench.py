@@ -19,6 +19,7 @@ from flightsim.autopilot.autopilot import Autopilot
 from flightsim.bridges import ExternalStack
 from flightsim.environment.movers import MovingObstacle
 from flightsim.frames import Geodetic, LocalFrame
+from flightsim.looks.light import light_of
 from flightsim.mavlink.client import MavlinkClient
 from flightsim.mavlink.links import Link
 from flightsim.mavlink.server import MavlinkServer
@@ -88,7 +89,10 @@ class Testbench:
         _check_number(cfg, len(airframes))
         airframes = [with_cameras(airframe, cfg.camera) for airframe in airframes]
         world = build_world(
-            scene, *airframes, traffic=cfg.traffic_cfg if traffic is None else traffic
+            scene,
+            *airframes,
+            traffic=cfg.traffic_cfg if traffic is None else traffic,
+            light=light_of(cfg.weather, scene.latitude_deg, scene.longitude_deg),
         )
         # The first plant owns time, and makes those of the other vehicles.
         first = Plant(world, cfg.plant_cfg)

@@ -30,6 +30,7 @@ from flightsim.environment.movers import MovingObstacle, mover_name
 from flightsim.environment.traffic import TrafficCfg, plan_traffic
 from flightsim.looks.drawing import add_looks, set_view
 from flightsim.looks.geom_groups import GeomGroup
+from flightsim.looks.light import AFTERNOON, Light
 from flightsim.looks.movers import MoverSet
 from flightsim.looks.surfaces import Detail
 from flightsim.vehicles.airframe import Airframe
@@ -89,6 +90,8 @@ class World:
     """All vehicles in it."""
     number: int = 0
     """Number of this one among them."""
+    light: Light = AFTERNOON
+    """Light of its pictures."""
 
     @property
     def n_vehicles(self) -> int:
@@ -154,8 +157,8 @@ class World:
             detail: Fineness of the looks.
         """
         spec = mujoco.MjSpec()
-        set_view(spec, self.scene)
-        add_looks(spec, self.scene, self.solids, detail)
+        set_view(spec, self.scene, self.light)
+        add_looks(spec, self.scene, self.solids, detail, self.light)
         add_vehicles(spec, self.vehicles)
         self.movers.add_looks(spec)
         return self._with_visible_mates(spec.compile())
@@ -199,6 +202,7 @@ def build_world(
     physics_hz: int = 500,
     extra: Sequence[Primitive] = (),
     traffic: TrafficCfg | Sequence[MovingObstacle] = (),
+    light: Light = AFTERNOON,
 ) -> World:
     """Compile a scene with its vehicles, the first at the scene's start, the others beside it.
 
@@ -208,6 +212,7 @@ def build_world(
         physics_hz: Steps per second.
         extra: Solids besides the scene's objects.
         traffic: Movers on their paths, or the number of movers to find paths for.
+        light: Light of pictures; it changes nothing else.
 
     Returns:
         The world in the view of the first vehicle; `World.views` has that of each.
@@ -260,6 +265,7 @@ def build_world(
         vehicle_body_id=bodies[0] if bodies else -1,
         rest_qpos=settle(model, vehicles, bodies) if vehicles else model.qpos0.copy(),
         vehicles=vehicles,
+        light=light,
     )
 
 

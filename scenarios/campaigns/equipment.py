@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from aeroscene.ranges import Range
 
@@ -23,6 +23,12 @@ class Equipment:
     camera: tuple[str, ...] = ()
     """Cameras to change or to add, such as forward,fov=90,pitch=10 or left,yaw=90,x=0.1,y=0.05,z=0;
     degrees, and metres from the centre of mass. See docs/sensors.md."""
+    light: str = ""
+    """Time of day and weather of camera images: terms with commas between them, such as dusk, fog
+    80 m or 11:30, rain, or random, which the seed of each trial draws; by default a fair afternoon.
+    See docs/light.md."""
+    season: Literal["spring", "summer", "autumn", "winter"] = "summer"
+    """Season of leaves, grass and the date of the light: spring, summer, autumn or winter."""
     segmentation: bool = False
     """Record the object and the class of each pixel of the camera images."""
     lidar: str = ""

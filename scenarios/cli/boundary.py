@@ -26,6 +26,7 @@ INPUT_ERROR_NAMES = frozenset(
         "flightsim.mavlink.links.link.LinkError",
         "flightsim.cameras.view.CameraError",
         "flightsim.lidars.definition.LidarError",
+        "flightsim.looks.weather.words.WeatherError",
         "flightsim.world.starts.WorldError",
         "flightsim.testbench.cfg.TestbenchError",
         "flightsim.vehicles.airframe.AirframeError",

@@ -162,6 +162,8 @@ class SitlCfg:
     def to_plain(self) -> dict[str, Any]:
         """Return the resolved configuration as plain data."""
         plain = asdict(self)
+        # A recording names the light that it was made in, also where the seed drew it.
+        plain["bench"]["light"] = str(self.bench.weather)
         paths = {"record": self.record, "pictures": self.pictures, "captures": self.captures}
         return plain | {name: None if path is None else str(path) for name, path in paths.items()}
 

@@ -19,12 +19,13 @@ from flightsim.cameras import (
     depth_noise,
     open_camera_renderer,
 )
+from flightsim.looks.light import Light
 from flightsim.testbench import Vehicle
 from flightsim.vehicles import Airframe
 from flightsim.world import World
 
-_View = tuple[Scene, Airframe, tuple[int, int]]
-"""Key of a renderer: scene, vehicle, size of the images."""
+_View = tuple[Scene, Airframe, tuple[int, int], Light]
+"""What a renderer draws: scene, vehicle, size of the images, light."""
 _KEPT = 2
 """Number of scenes, and of renderers, that are kept: a campaign flies scene by scene."""
 
@@ -78,7 +79,7 @@ class Hangar:
         scene = world.scene
         # The start is no part of the picture: one key for all starts of a scene.
         corner = replace(scene, start_position_enu_m=scene.extent_min_enu_m, start_yaw_rad=0.0)
-        key = (corner, world.airframe, size_px)
+        key = (corner, world.airframe, size_px, world.light)
         renderer = self._renderers.pop(key, None)
         if renderer is None:
             renderer = open_camera_renderer(world, *size_px)

@@ -8,6 +8,7 @@ from flightsim.environment.effects import EffectError
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
 from flightsim.lidars import LidarError
+from flightsim.looks.weather import WeatherError
 from flightsim.mavlink.links import LinkError
 from flightsim.plant.timed_failures import TimedFailureError
 from flightsim.testbench import TestbenchError
@@ -25,6 +26,7 @@ INPUT_ERRORS = (
     LinkError,
     CameraError,
     LidarError,
+    WeatherError,
     TestbenchError,
 )
 """Errors of a run whose input or machine does not allow it; each has a message of one line."""

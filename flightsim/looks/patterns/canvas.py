@@ -30,6 +30,8 @@ class Canvas:
     def __init__(self, n_pixels: int, seed: int) -> None:
         self.n = n_pixels
         self.u, self.v = _axes(n_pixels)
+        self.panes = np.zeros((n_pixels, n_pixels), dtype=bool)
+        """Pixels of windows behind which a lamp may shine; patterns of facades mark them."""
         self._rng = np.random.default_rng(seed)
         self._drawn: list[Any] = []
         self._next = 0

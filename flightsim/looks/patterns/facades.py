@@ -26,6 +26,8 @@ EVERY_BAY = ((0, 0), (1, 0), (0, 1), (1, 1))
 """Bay and storey of each window of a tile."""
 # Doors stand in every second bay.
 RIGHT_BAYS = ((1, 0), (1, 1))
+_AT_HOME = (1, 2)
+"""Kinds of windows that are lit at night: behind a blind, and beside a lamp."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +153,9 @@ def shop_front(canvas: Canvas, rgb: np.ndarray) -> Picture:
         things = 0.16 * np.clip(goods[area], 0, 2)[..., None] * np.array([1.0, 0.8, 0.55])
         glow = 0.34 * np.clip(up - 0.5, 0, 1)[..., None] * _LAMP
         inside = (_ROOM + 0.12 + things + glow).astype(np.float32)
-        wall.picture[area] = mix((across * 3.6) % 1 < 0.035, _DARK, inside)
+        is_bar = (across * 3.6) % 1 < 0.035
+        wall.picture[area] = mix(is_bar, _DARK, inside)
+        wall.canvas.panes[area] = ~is_bar
     for (bay, storey), hue in zip(
         EVERY_BAY, np.array([[0.16, 0.30, 0.28], [0.45, 0.14, 0.13]] * 2, np.float32), strict=True
     ):
@@ -203,6 +207,8 @@ def _put_window(
         if opening.transom:
             bar |= np.abs(up - opening.transom) < 0.8 * edge
         glass = _behind_glass(kind, across, up, reflections[area])
+        if kind in _AT_HOME:
+            wall.canvas.panes[area] = ~bar
         wall.picture[area] = mix(bar, frame_rgb, glass)
     # The reveal casts a shadow on the glass.
     wall.darken((left, right, high - 0.045, high), 0.45)

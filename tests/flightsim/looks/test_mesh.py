@@ -3,7 +3,7 @@ import pytest
 
 from flightsim.looks.bake import lit
 from flightsim.looks.dressing import dress
-from flightsim.looks.light import SUN_DIRECTION
+from flightsim.looks.light import AFTERNOON
 from flightsim.looks.mesh import MeshBuilder, add_solids
 from flightsim.looks.skins import skins
 from flightsim.looks.surfaces import FAST, surface_enu
@@ -85,7 +85,7 @@ def test_a_tile_lasts_a_tile_on_every_wall():
 
 
 def light_at(mesh, mask):
-    return mesh.normals_enu[mask] @ -np.array(SUN_DIRECTION)
+    return mesh.normals_enu[mask] @ AFTERNOON.to_sun
 
 
 def hut(roof_m=3.0):

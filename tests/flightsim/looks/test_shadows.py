@@ -4,11 +4,11 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flightsim.looks.light import SUN_DIRECTION
 from flightsim.looks.shadows import cast, casters
+from flightsim.looks.weather.sun import AFTERNOON_SUN
 
 UP = np.array([[0.0, 0.0, 1.0]])
-EAST_PER_DROP, NORTH_PER_DROP = (SUN_DIRECTION[k] / -SUN_DIRECTION[2] for k in range(2))
+EAST_PER_DROP, NORTH_PER_DROP = (AFTERNOON_SUN[k] / -AFTERNOON_SUN[2] for k in range(2))
 LENGTH = st.floats(0.5, 6.0)
 
 
@@ -22,8 +22,8 @@ def level_square(half_m, z_m):
     return np.array([(x, y, z_m) for x, y in ring])
 
 
-def shadow_on(square, *solids):
-    return cast(casters(list(solids)), square, np.zeros(4, dtype=int), UP)
+def shadow_on(square, *solids, sun=AFTERNOON_SUN):
+    return cast(casters(list(solids), sun), square, np.zeros(4, dtype=int), UP)
 
 
 def as_polygons(shadows):
@@ -80,5 +80,11 @@ def test_wall_takes_the_shadow_of_what_stands_before_it():
     west = np.array([[-1.0, 0.0, 0.0]])
     before, behind = block((-2, 0, 2), (0.5, 2, 4)), block((2, 0, 2), (0.5, 2, 4))
     corner = np.zeros(4, dtype=int)
-    assert len(cast(casters([before]), ring, corner, west).face) > 0
-    assert len(cast(casters([behind]), ring, corner, west).face) == 0
+    assert len(cast(casters([before], AFTERNOON_SUN), ring, corner, west).face) > 0
+    assert len(cast(casters([behind], AFTERNOON_SUN), ring, corner, west).face) == 0
+
+
+def test_under_a_sun_in_the_zenith_a_shadow_is_the_outline():
+    solid = block((0, 0, 2.0), (2.0, 1.0, 1.0))
+    found = shapely.union_all(as_polygons(shadow_on(level_square(9.0, 0.0), solid, sun=(0, 0, -1))))
+    assert found.bounds == pytest.approx((-1.0, -0.5, 1.0, 0.5))

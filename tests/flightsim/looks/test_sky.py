@@ -1,9 +1,10 @@
 import numpy as np
 
-from flightsim.looks.light import SUN_DIRECTION
+from flightsim.looks.light import AFTERNOON, light_of
 from flightsim.looks.sky import painted_sky, sky_rgb
+from flightsim.looks.weather import parse_weather
 
-TO_SUN = -np.array(SUN_DIRECTION)
+TO_SUN = AFTERNOON.to_sun
 
 
 def directions(n=4000):
@@ -51,3 +52,25 @@ def test_table_is_the_painted_sky_for_rays_of_any_length():
 
 def test_straight_down_is_some_colour_too():
     assert sky_rgb(np.array([[0.0, 0.0, -1.0]])).shape == (1, 3)
+
+
+def sky_of(text):
+    return painted_sky(directions(), light_of(parse_weather(text), 47.4, 8.5).sky)
+
+
+def test_sky_is_grey_under_clouds_and_dark_with_stars_at_night():
+    overcast, night = sky_of("noon, overcast"), sky_of("night, clear")
+    assert np.abs(overcast[:, 0] - overcast[:, 2]).max() < 0.2
+    assert overcast.max() < 0.95
+    assert np.median(night) < 0.15
+    assert 0.001 < (night.min(axis=1) > 0.3).mean() < 0.03
+
+
+def test_sun_sets_where_it_is_bright_at_dusk():
+    colours = light_of(parse_weather("dusk, clear"), 47.4, 8.5).sky
+    rays = np.stack([directions()[:, 0], directions()[:, 1], np.full(4000, 0.0)], axis=1)
+    rays[:, 2] = 0.1 * np.linalg.norm(rays, axis=1)
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    towards = rays @ np.array(colours.to_sun)
+    sky = painted_sky(rays, colours).sum(axis=1)
+    assert sky[towards > 0.9].mean() > sky[towards < 0.0].mean() + 0.15
