@@ -35,6 +35,7 @@ class PaintedMesh:
         self._scene = RayScene(mesh.corners_enu_m())
         self._paint = mesh.triangle_paint
         number = np.zeros(len(mesh.normals_enu))
+        # Baked normals: the cosine to the sun is the light, see `flightsim.looks.light`.
         if is_lit:
             number = np.clip(mesh.normals_enu @ light.to_sun, 0.0, 1.0)
         at_vertices = np.column_stack([mesh.texture_tiles, number]).astype(np.float32)
@@ -59,7 +60,12 @@ class PaintedMesh:
         return self._scene.first_hits(eye_enu_m, rays_enu)
 
     def colours(self, hits: RayHits, focal_px: float) -> tuple[np.ndarray, np.ndarray]:
-        """Which rays hit, (m,), and the colour there, 0 to 1 (m, 3)."""
+        """Return which rays hit, (m,), and the colour there, 0 to 1 (m, 3).
+
+        Args:
+            hits: Hits of `hits`.
+            focal_px: Focal length of the picture, which sets how much of a tile a pixel covers.
+        """
         met = np.flatnonzero(hits.triangle != NOTHING)
         triangle = hits.triangle[met]
         values = self._at_first[triangle]

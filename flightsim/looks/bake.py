@@ -30,12 +30,12 @@ _LARGE_FACE_M2 = 4.0
 # Smaller or thinner solids cast no shadow that a camera would show.
 _LEAST_CASTER_M = 0.5
 _LEAST_CASTER_WIDTH_M = 0.04
-_OFF_SURFACE_M = 0.02
-_LEVEL = 0.999
+_OFF_SURFACE_M = 0.02  # start of rays before a surface, so that it does not hide itself
+_LEVEL = 0.999  # upward part of a level face's normal, at least
 _POOL_FACE_M2 = 25.0
 """Area of level faces above which lamps get pools with an edge; markings may lie on smaller ones."""
-_LAMP_LIGHT = 0.9
-_ROOF_M2 = 6.0
+_LAMP_LIGHT = 0.9  # light of lamps, almost the brightest
+_ROOF_M2 = 6.0  # least area of a face that counts as a roof
 _UNDER_ROOF_M = 0.25
 """Distance before a face at which to test whether it is indoors."""
 # Straight up and four slanting directions, 42 degrees above the horizon.
@@ -53,7 +53,7 @@ def lit(
     relief: Relief | None = None,
     light: Light = AFTERNOON,
 ) -> WorldMesh:
-    """Mesh with shadows on it and light in its normals.
+    """Return the mesh with shadows on it and light in its normals.
 
     Args:
         mesh: Mesh of the whole world, with true normals.
@@ -97,7 +97,7 @@ def lit(
 
 
 def open_lamps(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = None) -> Lamps:
-    """Lamps that have no roof above them.
+    """Return the lamps that have no roof above them.
 
     Args:
         mesh: Mesh of the whole world, with true normals.
@@ -190,7 +190,7 @@ def _free_share(roofs: RayScene, points: np.ndarray) -> np.ndarray:
 def _sun_at_vertices(
     mesh: WorldMesh, face_of: np.ndarray, middles: np.ndarray, light: Light
 ) -> np.ndarray:
-    """Whether the sun reaches each vertex, (v,) 0 or 1."""
+    """Visibility of the sun from each vertex, (v,): 0 or 1."""
     points = mesh.vertices_enu_m + _OFF_SURFACE_M * mesh.normals_enu
     is_flat = face_of >= 0
     # Corners lie on edges, where neighbouring faces would hide them: a tenth inwards.
@@ -243,7 +243,8 @@ def _caster_corners(solid: Primitive, sun_direction: Direction) -> np.ndarray:
 
 
 def _terminator(half_m: np.ndarray, turn: np.ndarray, sun_direction: Direction) -> np.ndarray:
-    """Terminator on an ellipsoid at the origin, (16, 3)."""
+    """Terminator on an ellipsoid at the origin, (16, 3): the border between light and shade."""
+    # On the unit sphere the terminator is a circle; scaling the sphere turns the sunlight.
     pole = (np.array(sun_direction) @ turn) / half_m
     pole /= np.linalg.norm(pole)
     u = np.cross(pole, np.eye(3)[np.abs(pole).argmin()])
@@ -266,7 +267,7 @@ def _overlay(
 def _pools(
     mesh: WorldMesh, areas_m2: np.ndarray, sky: np.ndarray, lamps: Lamps, light: Light
 ) -> WorldMesh:
-    """Pools of lamplight on large level faces, whose corners are too far apart to show them."""
+    """Return pools of lamplight on large level faces, whose corners are too far apart to show them."""
     is_level = mesh.normals_enu[mesh.face_first][:, 2] > _LEVEL
     large = np.flatnonzero(is_level & (areas_m2 > _POOL_FACE_M2))
     rings = _rings(mesh)
@@ -283,7 +284,7 @@ def _pools(
 def _laid_over(
     mesh: WorldMesh, faces: np.ndarray, corners: np.ndarray, normals: np.ndarray
 ) -> WorldMesh:
-    """Triangles (t, 3, 3) in the paint of the faces below them, (t,)."""
+    """Return triangles (t, 3, 3) in the paint of the faces below them, (t,)."""
     n = len(faces)
     return WorldMesh(
         mesh.paints,

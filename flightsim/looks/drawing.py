@@ -34,7 +34,13 @@ _FAR_EXTENTS = 12.0
 
 
 def set_view(spec: mujoco.MjSpec, scene: Scene, light: Light = AFTERNOON) -> None:
-    """Set clip planes, light and sky, the same in both models."""
+    """Set clip planes, light and sky, the same in both models.
+
+    Args:
+        spec: Model, changed.
+        scene: Its scene, whose extent sets the clip planes.
+        light: Sun and sky.
+    """
     low, high = np.array(scene.extent_min_enu_m), np.array(scene.extent_max_enu_m)
     spec.stat.center = (low + high) / 2
     spec.stat.extent = _half_diagonal_m(scene)
@@ -86,7 +92,7 @@ def add_looks(
         spec: Model to add to.
         scene: Scene of the solids, with their categories and the ground.
         primitives: Solids to draw.
-        detail: Detail of round shapes, and whether the skins are lit and have textures.
+        detail: Detail of round shapes, and light and textures of the skins.
         light: Sun, sky, season and weather.
     """
     mesh = drawn_mesh(scene, primitives, detail, light)
@@ -106,7 +112,14 @@ def add_looks(
 def drawn_mesh(
     scene: Scene, primitives: Sequence[Primitive], detail: Detail, light: Light = AFTERNOON
 ) -> WorldMesh:
-    """All static surfaces that a camera sees, with true normals and in the paints of a season."""
+    """Return all static surfaces that a camera sees, with true normals.
+
+    Args:
+        scene: The scene, with its ground and what lies around it.
+        primitives: Its solids.
+        detail: Detail of round shapes.
+        light: Light whose season and weather change the paints.
+    """
     builder = MeshBuilder(scene.relief)
     add_surroundings(builder, scene, _FAR_EXTENTS * _half_diagonal_m(scene))
     categories = {obj.id: obj.category for obj in scene.objects}

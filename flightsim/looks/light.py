@@ -30,7 +30,7 @@ _LEAST_COSINE = 0.05
 
 @dataclass(frozen=True, slots=True)
 class SkyColours:
-    """What the sky looks like: the renderers paint it where nothing is seen."""
+    """Colours of the sky, which the renderers paint where a ray meets nothing."""
 
     to_sun: Direction
     """Direction to the sun, ENU, of unit length; below the horizon at night."""
@@ -68,10 +68,10 @@ class Light:
     falling: Falling = "dry"
     season: Season = "summer"
     is_dark: bool = False
-    """Whether lamps and windows shine."""
+    """True if lamps and windows shine."""
 
     def surface(self, normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
-        """Light on surfaces.
+        """Return the light on surfaces, 0 to 1.
 
         Args:
             normals_enu: Outward unit normals.
@@ -82,6 +82,7 @@ class Light:
         from_sky = self.sky_share * (0.5 + 0.5 * up)
         # Walls differ in brightness, so that corners of a room are visible.
         from_lamps = 0.47 + 0.10 * up + 0.09 * (normals_enu @ np.array([0.8, -0.6, 0.0]))
+        # Undersides indoors are ceilings, which are bright.
         from_lamps = from_lamps + 0.20 * np.clip(-up, 0.0, 1.0)
         from_sun = self.sun_share * np.maximum(0.0, normals_enu @ self.to_sun)
         # At night eaves must not pass for a lit room: only what sees no sky at all is in one.
@@ -89,19 +90,22 @@ class Light:
         return np.clip(sky * from_sky + in_room * from_lamps + sun * from_sun, 0.0, 1.0)
 
     def rgb(self, light: Shares) -> Float[np.ndarray, "*n 3"]:
-        """Colour factors of surfaces, at most 1."""
+        """Return colour factors of surfaces, at most 1."""
         ambient, sun = np.array(self.ambient_rgb, light.dtype), np.array(self.sun_rgb, light.dtype)
         return np.minimum(1.0, ambient + light[..., None] * sun)
 
     def normals(self, light: Shares) -> Normals:
-        """Unit normals whose cosine to the sun is the light."""
+        """Return unit normals whose cosine to the sun is the light."""
         aside = np.sqrt(np.maximum(0.0, 1.0 - light**2))
         across = np.cross(self.to_sun, (0.0, 1.0, 0.0) if self._is_overhead else (0.0, 0.0, 1.0))
         across /= np.linalg.norm(across)
         return light[..., None] * self.to_sun + aside[..., None] * across
 
     def is_sunward(self, normals_enu: Normals) -> np.ndarray:
-        """Whether the sun can reach a face at all, (...,) bool."""
+        """Return true for faces that the sun can reach at all, (...,) bool.
+
+        Faces that the light only grazes count as turned away.
+        """
         return (self.sun_share > 0.0) & (normals_enu @ self.to_sun > _LEAST_COSINE)
 
     @property
@@ -190,7 +194,13 @@ _GREY = np.array([0.96, 1.0, 1.05])
 
 @functools.lru_cache(maxsize=64)
 def light_of(weather: Weather, latitude_deg: float, longitude_deg: float) -> Light:
-    """Light of a place on the earth in some weather."""
+    """Return the light of a place on the earth in some weather.
+
+    Args:
+        weather: Time of day, weather and season.
+        latitude_deg: Latitude, WGS 84.
+        longitude_deg: Longitude, WGS 84; it only turns local solar time into that of Greenwich.
+    """
     if weather == Weather():
         return AFTERNOON
     direction, elevation_deg = sunlight(weather, latitude_deg, longitude_deg)
@@ -223,7 +233,7 @@ def light_of(weather: Weather, latitude_deg: float, longitude_deg: float) -> Lig
 
 
 def _under_clouds(light: Light, day: float) -> Light:
-    """The same hour under a closed cover of clouds: no shadows, grey, and a little darker."""
+    """Return the same hour under a closed cover of clouds: no shadows, grey, and a little darker."""
     level = 0.85 * float(np.mean(light.ambient_rgb))
     lit = light.sun_rgb if light.is_dark else _colour(0.62 * np.mean(light.sun_rgb) * _GREY)
     return replace(
@@ -244,7 +254,7 @@ def _under_clouds(light: Light, day: float) -> Light:
 
 
 def _at(elevation_deg: float) -> _Hour:
-    """Light at an elevation, between the rows of the table."""
+    """Return the light at an elevation, between the rows of the table."""
     degrees = [hour.elevation_deg for hour in _HOURS]
 
     def between(name: str) -> np.ndarray:
@@ -260,7 +270,7 @@ def _at(elevation_deg: float) -> _Hour:
 
 
 def _land(hour: _Hour) -> Colour:
-    """How far land looks beside the day's: lit as a level face is."""
+    """Return the brightness of land beside the day's: land is lit as a level face is."""
     lit = [np.array(each.ambient_rgb) + 0.7 * each.sky_share / 0.3 * np.array(each.sun_rgb)
            for each in (hour, _HOURS[-1])]  # fmt: skip
     return _colour(np.minimum(1.0, lit[0] / lit[1]))

@@ -23,9 +23,9 @@ class Paint:
     is_clear: bool = False
     """True if sunlight passes through, as through glass."""
     is_lamp: bool = False
-    """Whether it emits light, or has enough lamps to count as emitting."""
+    """True if it emits light, or has enough lamps to count as emitting."""
     is_lit_within: bool = False
-    """Whether lamps shine behind its windows; the picture then has its own light."""
+    """True if lamps shine behind its windows; the picture then has its own light."""
 
     def tinted(self, factors: Colour) -> Paint:
         """Return the same pattern in another colour, at most white."""

@@ -128,6 +128,7 @@ class PixelLight:
             depth[band] = hits.distance.reshape(depth[band].shape)
             triangle[band] = hits.triangle.reshape(depth[band].shape)
         same = _Neighbours(depth, normal)
+        # The sun keeps its sharp shadows: its light is averaged over fewer pixels.
         sunlit = same.averaged(sun[..., None], (1,)) * self._sources.sun_rgb
         exposed = _exposed(same.averaged(rgb, _STEPS) + sunlit)
         # Triangle -1 is nothing; the last entry of the table stands for it.
@@ -137,7 +138,7 @@ class PixelLight:
 
 @dataclass(frozen=True, eq=False)
 class _Sources:
-    """What shines, in the colours of an hour."""
+    """Colours of sun, sky, lamps and bounced light at an hour."""
 
     to_sun: np.ndarray
     sun_rgb: np.ndarray
