@@ -33,7 +33,7 @@ _LEAST_CASTER_WIDTH_M = 0.04
 _OFF_SURFACE_M = 0.02  # start of rays before a surface, so that it does not hide itself
 _LEVEL = 0.999  # upward part of a level face's normal, at least
 _POOL_FACE_M2 = 25.0
-"""Area of level faces above which lamps get pools with an edge; markings may lie on smaller ones."""
+"""Area of level faces above which lamps have pools; markings may lie on smaller ones."""
 _LAMP_LIGHT = 0.9  # light of lamps, almost the brightest
 _ROOF_M2 = 6.0  # least area of a face that counts as a roof
 _UNDER_ROOF_M = 0.25
@@ -267,7 +267,10 @@ def _overlay(
 def _pools(
     mesh: WorldMesh, areas_m2: np.ndarray, sky: np.ndarray, lamps: Lamps, light: Light
 ) -> WorldMesh:
-    """Return pools of lamplight on large level faces, whose corners are too far apart to show them."""
+    """Return pools of lamplight on large level faces.
+
+    The corners of such a face are too far apart to show a pool.
+    """
     is_level = mesh.normals_enu[mesh.face_first][:, 2] > _LEVEL
     large = np.flatnonzero(is_level & (areas_m2 > _POOL_FACE_M2))
     rings = _rings(mesh)

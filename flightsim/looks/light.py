@@ -233,7 +233,7 @@ def light_of(weather: Weather, latitude_deg: float, longitude_deg: float) -> Lig
 
 
 def _under_clouds(light: Light, day: float) -> Light:
-    """Return the same hour under a closed cover of clouds: no shadows, grey, and a little darker."""
+    """Return the same hour under closed clouds: no shadows, grey, and a little darker."""
     level = 0.85 * float(np.mean(light.ambient_rgb))
     lit = light.sun_rgb if light.is_dark else _colour(0.62 * np.mean(light.sun_rgb) * _GREY)
     return replace(

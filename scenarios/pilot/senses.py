@@ -279,11 +279,11 @@ class Senses:
             return estimate
         (x, y, z), (u, v, w) = estimate.position_enu_m, estimate.velocity_enu_mps
         turn = np.multiply(estimate.angular_rate_flu_radps, age_s)
-        w, i, j, k = _turned(estimate.quat_wxyz, turn)
+        qw, qx, qy, qz = _turned(estimate.quat_wxyz, turn)
         return dataclasses.replace(
             estimate,
             position_enu_m=(x + u * age_s, y + v * age_s, z + w * age_s),
-            quat_wxyz=(w, i, j, k),
+            quat_wxyz=(qw, qx, qy, qz),
         )
 
     def in_question(self) -> Float[np.ndarray, "n 3"]:

@@ -1,6 +1,9 @@
-"""Which cameras look out for movers, and how often."""
+"""Which cameras look out for movers, and how often; and where they stand when they look."""
 
+import dataclasses
 from collections import Counter
+
+import pytest
 
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.surroundings import survey
@@ -38,3 +41,20 @@ def test_the_first_look_uses_all_cameras():
 
 def test_without_movers_nothing_looks_about_in_a_known_place():
     assert not looks(10, expects_traffic=False)
+
+
+def test_an_estimate_of_a_moment_ago_moves_on_along_its_velocity():
+    """The height, too: it went on at 1 m/s, whatever the vehicle climbed at."""
+    senses = Senses(survey(empty_scene(), AIRFRAMES["iris"]), lambda _: None, expects_traffic=False)
+    told = dataclasses.replace(
+        senses._estimate,
+        position_enu_m=(1.0, 2.0, 3.0),
+        velocity_enu_mps=(4.0, -5.0, -6.0),
+        quat_wxyz=(1.0, 0.0, 0.0, 0.0),
+        angular_rate_flu_radps=(0.0, 0.0, 1.0),
+        position_time_ms=1000,
+    )
+    senses._estimate, senses._time_us = told, 1_050_000
+    now = senses._now()
+    assert now.position_enu_m == pytest.approx((1.2, 1.75, 2.7))
+    assert now.quat_wxyz == pytest.approx((0.99969, 0.0, 0.0, 0.024997), abs=1e-5)
