@@ -67,6 +67,7 @@ class KnownSkeletons:
 
     def recurrence(self, scenes: Sequence[SceneArrays]) -> Recurrence:
         """Return the shares of scenes whose contents, tree or coarse tree are known."""
+        # An empty group has shares of 0.
         count = max(len(scenes), 1)
         return Recurrence(
             content=sum(_content(arrays) in self.contents for arrays in scenes) / count,

@@ -19,7 +19,10 @@ _INSIDE = frozenset({Kind.EDGE, Kind.CENTRE, Kind.ON, Kind.SCATTER})
 
 
 def is_furniture(category_id: int) -> bool:
-    """True if objects on this category lie on its top, not within a ground, room or shell."""
+    """True if objects on this category lie on its top.
+
+    Other objects lie within their bearer: a ground, a room or a shell.
+    """
     return CATALOGUE[category_id].level == "fine"
 
 

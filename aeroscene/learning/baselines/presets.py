@@ -114,6 +114,7 @@ def fit_preset(
         ),
         watcher,
     )
+    # CPU time, as for the baselines.
     begun_s = time.process_time()
     is_done = training.run(state)
     spent_s = time.process_time() - begun_s

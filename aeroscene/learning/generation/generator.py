@@ -158,6 +158,7 @@ class Generator:
             DeviceError: If memory runs out.
             RequestError: If a request cannot be met.
         """
+        # A batch at a time, so that the caller sees scenes as they are finished.
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
             for request, drawn in zip(chunk, self._proposed(chunk, attempt, on_step), strict=True):

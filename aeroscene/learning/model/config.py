@@ -121,6 +121,7 @@ class ModelCfg:
                 raise ModelCfgError(
                     f"unet_widths is {width}; valid: multiples of heads, {self.heads}"
                 )
+        # With categories the network reads the paper's ten channels.
         if self.n_categories and self.channels != N_GEOMETRY:
             raise ModelCfgError(
                 f"channels is {self.channels} with n_categories {self.n_categories}; valid: "

@@ -220,6 +220,7 @@ def training_scenes(
     dataset = open_dataset(path)
     train: list[Scene] = []
     held_out: list[Scene] = []
+    # In order of the manifest, which decides the order of the examples and thereby the digest.
     for entry in dataset.entries:
         (train if entry.split == "train" else held_out).append(dataset.read(entry))
         on_scene()

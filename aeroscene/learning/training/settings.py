@@ -70,6 +70,7 @@ def section_with(section: Section, values: Mapping[str, Any], name: str) -> Sect
     Raises:
         TrainingError: If a field does not exist, or a value has another type or is out of range.
     """
+    # Through plain data, so that msgspec checks types as it does for checkpoints.
     plain = section_to_plain(section)
     for key in values:
         if key not in plain:

@@ -59,6 +59,7 @@ def stacked(levels: Sequence[Level], frame: Frame, least_m: float) -> list[Node]
         below, above = trees[number - 1], trees[number]
         pairs = _pairs(_plan(below, frame), _plan(above, frame), rise_m)
         pairs += _beside(below, above, frame)
+        # First the upper floor moves to the rooms below, then their heights follow it.
         above = aligned(above, frame.length_m, frame.width_m, pairs, least_m)
         trees[number - 1] = _under(below, above, frame, rise_m)
         trees[number] = above
