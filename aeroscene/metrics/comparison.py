@@ -208,6 +208,7 @@ _ROWS: tuple[tuple[str, str, str, Better | None, Callable[[Figures], float]], ..
      lambda f: 100 * f.recurrence.tree),
     ("known_coarse_skeletons", "coarse skeletons that occur in training", "%", None,
      lambda f: 100 * f.recurrence.coarse_tree),
+    # The checks of places follow in their own order.
     *(
         (check.key, check.title, check.unit, check.better, lambda f, key=check.key: f.places[key])
         for check in CHECKS

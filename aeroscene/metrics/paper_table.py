@@ -102,6 +102,7 @@ def paper_table(
         _row("objects", "Objects", (122_356, 37_654, 160_010), groups, _n_objects),
     )
     averages = (
+        # `count=count` binds the present value: a closure would see the last one.
         _row(key, title, paper, groups, lambda group, count=count: fmean(map(count, group)), True)
         for key, title, paper, count in _AVERAGES
     )

@@ -94,6 +94,7 @@ def frame_of(box: OrientedBox, yaw_rad: float | None = None) -> Frame:
     found = Frame(box.p[0], box.p[1], box.yaw_rad, box.s[0], box.s[1])
     if yaw_rad is None:
         return found
+    # An empty frame at the origin serves as a coordinate system.
     plane = Frame(0.0, 0.0, yaw_rad, 0.0, 0.0)
     return plane.inner(plane.bounds_of(found))
 

@@ -32,6 +32,7 @@ def find_pinwheel(
         cuts = _find(x, y)
         if cuts:
             west, east, south, north = cuts
+            # Lines of the mirror image count from the other side.
             n = len(can_cut_y)
             return is_mirrored, (n - east, n - west, south, north) if is_mirrored else cuts
     return None

@@ -232,6 +232,7 @@ def with_children(node: Node, nodes: tuple[Node, ...]) -> Node:
             return Overlay(base, tuple(replace(item, tree=tree) for item, tree in items))
         case Bend():
             trees = iter(nodes)
+            # Only banks with a tree are among the children, see `children`.
             banks = tuple(bank and replace(bank, tree=next(trees)) for bank in node.banks)
             return replace(node, banks=banks)
 
@@ -279,6 +280,7 @@ def _check_parts(name: str, parts: tuple[Part, ...]) -> None:
     shares = [part.value for part in parts if not part.is_width]
     if min((part.value for part in parts), default=0.0) <= 0.0:
         raise PartitionError(f"{name} is {parts}; valid: values above 0")
+    # A side of strips alone has no shares, whose sum is 0, and is refused as well.
     if not math.isclose(sum(shares), 1.0, abs_tol=SHARES_TOLERANCE):
         raise PartitionError(f"{name} has shares {shares}; valid: shares that sum to 1")
 

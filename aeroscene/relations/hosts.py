@@ -119,6 +119,7 @@ class Standing:
             return self._roads[:MAX_HOSTS]
         if CATALOGUE[category_id].name in STAIRS:
             return self._levels_from(parent_id)[:MAX_HOSTS]
+        # A plate's chairs come first: they were drawn for this table.
         seats = self._seats[parent_id] if parent_id is not None and kind == Kind.SIDE else []
         return [*seats, *beside][:MAX_HOSTS]
 

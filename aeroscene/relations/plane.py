@@ -96,6 +96,7 @@ def hull(rectangles: Sequence[Rectangle]) -> Rectangle:
         for axis, at_m in enumerate((u_m, v_m)):
             low[axis] = min(low[axis], at_m - reach_m[axis])
             high[axis] = max(high[axis], at_m + reach_m[axis])
+    # Back from the first rectangle's frame to the world.
     middle = place.moved((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
     return Rectangle(middle, ((high[0] - low[0]) / 2, (high[1] - low[1]) / 2))
 

@@ -53,6 +53,7 @@ def changed(sections: Mapping[str, Any], document: Mapping[str, Any]) -> dict[st
     for name, values in document.items():
         if name not in sections:
             raise TrainingError(f"section [{name}] is unknown; valid: {', '.join(sections)}")
+        # Here a field stands outside of any section.
         if not isinstance(values, dict):
             raise TrainingError(f"{name} is {values!r}; valid: a section [{name}] with fields")
         result[name] = section_with(sections[name], values, name)
