@@ -117,8 +117,8 @@ def _coarse_tree(arrays: SceneArrays) -> Hashable:
 def _canonical(arrays: SceneArrays, is_kept: np.ndarray) -> Hashable:
     """Return nested pairs of a category and its sorted children; equal for equal trees only."""
     children: dict[int, list] = {}
-    # Children come after their parents. Backwards, every subtree is complete before it joins its
-    # parent.
+    # Children come after their parents. Backwards, every subtree is complete
+    # before it joins its parent.
     for row in reversed(np.flatnonzero(is_kept).tolist()):
         parent, category = int(arrays.parent[row]), int(arrays.category[row])
         subtree = (category, tuple(sorted(children.pop(row, []))))

@@ -68,8 +68,8 @@ class GivenPart:
                 f"scene {kept.scene_id!r} has an object of category {strange!r}, which the "
                 f"model never saw; valid: {', '.join(known)}"
             ) from None
-        # The exact program counts from the same references as the model's, so channels can be
-        # exchanged.
+        # The exact program counts from the same references as the model's, so
+        # channels can be exchanged.
         program = with_references(encoded, language.statistics.references)
         return GivenPart(kept, program, encoded.object_ids, example)
 

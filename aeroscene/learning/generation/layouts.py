@@ -120,8 +120,8 @@ class FlatProposer:
                 _row(layout, turn, model.statistics, is_second=is_second)
                 for layout, turn in zip(layouts, turns, strict=True)
             ]
-            # A pass in which every object is given has nothing to draw: a scene without fine
-            # objects.
+            # A pass in which every object is given has nothing to draw: a
+            # scene without fine objects.
             if all(row.n == row.is_given * row.layout.n_coarse for row in rows):
                 continue
             layouts = self._sampled(rows, noise, on_step)

@@ -107,8 +107,8 @@ class FlatBoxes:
         center, n_coarse = self.center_enu_m[order], int(is_coarse.sum())
         region = np.full(len(order), NO_REGION)
         if self.region is not None:
-            # Row that each old row moves to; the last entry keeps `NO_REGION`, which is -1, in its
-            # place.
+            # Row that each old row moves to; the last entry keeps `NO_REGION`,
+            # which is -1, in its place.
             place = np.append(np.argsort(order), NO_REGION)
             region[n_coarse:] = place[self.region[order]][n_coarse:]
         elif n_coarse:

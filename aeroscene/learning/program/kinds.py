@@ -67,8 +67,8 @@ class Kind(msgspec.Struct, frozen=True, omit_defaults=True):
     attributes: Attributes = ()
     """Attributes that decide the shape, sorted by name; a scene has its theme here."""
 
-    # Defaults for every kind, so that a caller can read these from any kind. Subclasses make fields
-    # of some.
+    # Defaults for every kind, so that a caller can read these from any kind.
+    # Subclasses make fields of some.
     strip, turn, relation = 0, 0, ""
     is_turned, is_even, is_root, is_group = False, False, False, False
 

@@ -158,8 +158,8 @@ def _known(path: Path, facts: CheckpointFacts, tensors: Weights) -> Known:
     arrays: dict[str, Any] = {k: v.numpy() for k, v in under(tensors, _KNOWN).items()}
     try:
         if facts.preset in FLAT_PRESETS:
-            # Looks are parsed here so that a damaged file is refused now, and not when a scene is
-            # drawn.
+            # Looks are parsed here so that a damaged file is refused now, and
+            # not when a scene is drawn.
             Looks.from_json(facts.vocabulary)
             return FlatStatistics(**arrays)
         return Language.restored(facts.vocabulary, arrays)

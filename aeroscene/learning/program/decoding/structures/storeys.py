@@ -202,8 +202,8 @@ def _borne(
         faces = [wall[at] if outwards > 0 else wall[at + 2] for wall in beside]
         if faces:
             sides[side] = min(faces) if outwards > 0 else max(faces)
-        # A free edge, which meets no wall and no other slab, reaches half a wall's thickness
-        # further.
+        # A free edge, which meets no wall and no other slab, reaches half a
+        # wall's thickness further.
         elif not any(_is_met(outline, side, other) for other in others):
             sides[side] += outwards * edge_m
     return (sides[0], sides[1], sides[2], sides[3])
