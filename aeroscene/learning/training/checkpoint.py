@@ -1,7 +1,7 @@
 """A trained model in one file: weights by part, and everything needed to run them.
 
     FILE.safetensors
-      tensors    writer.*, denoiser.*, prior.*: weights by their part's prefix;
+      tensors    writer.*, contents.*, denoiser.*, prior.*: weights by their part's prefix;
                  known.*: statistics and structure of its training data
       metadata   "aeroscene": JSON with format, version, preset, configurations, vocabulary,
                  training data, version of the code, figures
