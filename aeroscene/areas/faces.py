@@ -61,8 +61,8 @@ _Piece = tuple[int, Float[np.ndarray, " 3"], Float[np.ndarray, "k 3"]]
 def upward_faces(solids: Solids, is_wanted: Callable[[int], bool]) -> list[Face]:
     """Return the upper faces of boxes, cylinders and hulls.
 
-    Faces of one object in one plane are united, because a landing area may span the boards of a
-    deck. Faces that are too small even for a perch are left out.
+    Faces of one object in one plane are united, so that an area may span several solids. Faces that
+    are too small even for a perch are left out.
 
     Args:
         solids: Solids of a scene.

@@ -119,8 +119,8 @@ class Obstacles:
         base, top = self._heights(face, hits)
         hits, base, top = (values[top > step_m] for values in (hits, base, top))
         outlines = self._outlines[hits]
-        # Only solids that pass through the face are cut. Round and straight ones keep their
-        # outline.
+        # Only solids that pass through the face are cut. Round and straight
+        # ones keep their outline.
         is_whole = (base >= step_m) | self._solids.is_round[hits]
         if face.is_level:
             is_whole |= self._is_straight[hits]
@@ -142,8 +142,8 @@ class Obstacles:
             x0, y0, x1, y1 = disc.bounds
             rise_m = hypot(*face.gradient) * (x1 - x0) / 2
             highest_m = face.height_m((x0 + x1) / 2, (y0 + y1) / 2) + rise_m
-            # Both are lower bounds: one of the whole solid, the other of its underside over the
-            # disc.
+            # Both are lower bounds: one of the whole solid, the other of its
+            # underside over the disc.
             base = np.maximum(base, self._solids.low_m[hits, 2] - highest_m)
         return float(base[base > height_m].min(initial=np.inf))
 
@@ -197,7 +197,7 @@ def _shadow(solids: Solids, index: int) -> Float[np.ndarray, "k 2"]:
         caps = circle @ (rotation[:2, :2] * half[:2]).T
         along = half[2] * rotation[:2, 2]
         return np.vstack([caps + along, caps - along]) + centre
-    # The shadow of an ellipsoid is an ellipse with this matrix; its Cholesky factor maps the
-    # circle.
+    # The shadow of an ellipsoid is an ellipse with this matrix; its
+    # Cholesky factor maps the circle.
     shadow = (rotation * half**2) @ rotation.T
     return centre + circle @ np.linalg.cholesky(shadow[:2, :2]).T

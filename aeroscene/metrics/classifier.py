@@ -72,8 +72,8 @@ def _predict(
 ) -> Bool[np.ndarray, " k"]:
     """Fit on some scenes and answer for others: True for the set."""
     middle = points.mean(axis=0)
-    # The weights lie in the span of the points, so an SVD reduces the unknowns to the number of
-    # scenes.
+    # The weights lie in the span of the points, so an SVD reduces the unknowns
+    # to the number of scenes.
     left, scale, right = np.linalg.svd(points - middle, full_matrices=False)
     inputs = np.column_stack([left * scale, np.ones(len(points))])
     # Both sets weigh half, whatever their sizes.

@@ -169,5 +169,6 @@ def total(parts: Sequence[Collisions]) -> Collisions:
 
     Shares of the sum weigh scenes by their objects, except `rate`, which is a mean over scenes.
     """
+    # Every field is a count or a sum, so adding them field by field is right.
     names = [field.name for field in fields(Collisions)]
     return Collisions(**{name: sum(getattr(part, name) for part in parts) for name in names})

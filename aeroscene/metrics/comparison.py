@@ -71,6 +71,7 @@ class Reference:
         trained = [scene_arrays(scene) for scene in train]
         tested = [scene_arrays(scene) for scene in test]
         training = sketches_of([layout_of(scene) for scene in train])
+        # Distances of the test split are the measure for copies, see `novelty`.
         sketches = sketches_of([layout_of(scene) for scene in test])
         return cls(
             neighbours=neighbours or NeighbourFrequencies.of_arrays(trained),
@@ -132,6 +133,7 @@ def figures_of(scenes: Sequence[Scene], reference: Reference, rng: np.random.Gen
 
 def _collisions(group: Sequence[SceneArrays]) -> dict[Among, Collisions]:
     found = [overlaps(arrays) for arrays in group]
+    # Pairs are found once for each scene, and counted three times.
     kinds: tuple[Among, ...] = ("all", "not parent and child", "strangers")
     return {among: total([collisions(each, among) for each in found]) for among in kinds}
 
@@ -206,6 +208,7 @@ _ROWS: tuple[tuple[str, str, str, Better | None, Callable[[Figures], float]], ..
      lambda f: 100 * f.recurrence.tree),
     ("known_coarse_skeletons", "coarse skeletons that occur in training", "%", None,
      lambda f: 100 * f.recurrence.coarse_tree),
+    # The checks of places follow in their own order.
     *(
         (check.key, check.title, check.unit, check.better, lambda f, key=check.key: f.places[key])
         for check in CHECKS

@@ -88,8 +88,8 @@ def _enough(points: np.ndarray) -> int:
 def _resampled(count: int, rng: np.random.Generator) -> Float[np.ndarray, "draws n"]:
     """Number of times each scene is drawn with replacement, at least two different ones."""
     times = rng.multinomial(count, np.full(count, 1 / count), _N_DRAWS).astype(float)
-    # One scene many times over has no pairs of different scenes; such a draw takes every scene
-    # once.
+    # One scene many times over has no pairs of different scenes; such a
+    # draw takes every scene once.
     return np.where((times > 0).sum(axis=1, keepdims=True) > 1, times, 1.0)
 
 

@@ -45,6 +45,7 @@ def displacement(before: Sequence[Scene], after: Sequence[Scene]) -> Displacemen
     Raises:
         UnlikeScenesError: If an object appears from nowhere or changes its category.
     """
+    # The projection may add a relief, which raises objects without moving them on the plan.
     pairs = [_pairs(level(one), level(two)) for one, two in zip(before, after, strict=True)]
     none = np.zeros(0)
     moved_m = np.concatenate([none, *(np.linalg.norm(p[1] - p[0], axis=1) for p, _ in pairs)])

@@ -67,6 +67,7 @@ class KnownSkeletons:
 
     def recurrence(self, scenes: Sequence[SceneArrays]) -> Recurrence:
         """Return the shares of scenes whose contents, tree or coarse tree are known."""
+        # An empty group has shares of 0.
         count = max(len(scenes), 1)
         return Recurrence(
             content=sum(_content(arrays) in self.contents for arrays in scenes) / count,
@@ -116,8 +117,8 @@ def _coarse_tree(arrays: SceneArrays) -> Hashable:
 def _canonical(arrays: SceneArrays, is_kept: np.ndarray) -> Hashable:
     """Return nested pairs of a category and its sorted children; equal for equal trees only."""
     children: dict[int, list] = {}
-    # Children come after their parents. Backwards, every subtree is complete before it joins its
-    # parent.
+    # Children come after their parents. Backwards, every subtree is complete
+    # before it joins its parent.
     for row in reversed(np.flatnonzero(is_kept).tolist()):
         parent, category = int(arrays.parent[row]), int(arrays.category[row])
         subtree = (category, tuple(sorted(children.pop(row, []))))

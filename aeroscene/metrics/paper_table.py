@@ -18,6 +18,7 @@ COLUMNS: tuple[Column, ...] = ("train", "test", "total")
 TOLERANCE = 0.05
 """Greatest relative deviation of an average of the corpus from the paper's."""
 
+# They limit how closely any corpus can follow the table.
 INCONSISTENCIES = (
     "160,010 objects in 1,016 scenes are 157 a scene, not 149 (train 151, test 185, not 152)",
     "42 small, 12 medium and 5 large landing areas add up to 59, not 54",
@@ -101,6 +102,7 @@ def paper_table(
         _row("objects", "Objects", (122_356, 37_654, 160_010), groups, _n_objects),
     )
     averages = (
+        # `count=count` binds the present value: a closure would see the last one.
         _row(key, title, paper, groups, lambda group, count=count: fmean(map(count, group)), True)
         for key, title, paper, count in _AVERAGES
     )

@@ -203,8 +203,8 @@ def _kl_figure(
     times: np.ndarray,
     what: Literal["category", "cooccurrence"],
 ) -> Figure:
-    # Counts of a resampled group are a product with the counts of each scene, so nothing is counted
-    # anew.
+    # Counts of a resampled group are a product with the counts of each scene, so
+    # nothing is counted anew.
     per_scene = np.array([getattr(frequencies([arrays]), what) for arrays in group])
     reference = getattr(yardstick.frequencies, what)
     draws = np.array([kl_divergence(reference, each @ per_scene) for each in times])

@@ -75,12 +75,18 @@ class NeighbourFrequencies:
 
     @classmethod
     def fit(cls, scenes: Iterable[Scene]) -> NeighbourFrequencies:
-        """Count the neighbours in scenes; 812 scenes take a second."""
+        """Count the neighbours in scenes; 812 scenes take a second.
+
+        See `of_arrays` for scenes that are unpacked already.
+        """
         return cls.of_arrays(map(scene_arrays, scenes))
 
     @classmethod
     def of_arrays(cls, scenes: Iterable[SceneArrays]) -> NeighbourFrequencies:
-        """Count the neighbours in scenes that are arrays already."""
+        """Count the neighbours in scenes that are arrays already.
+
+        Callers with several figures unpack each scene once.
+        """
         counts = np.zeros(np.prod(_SHAPE), dtype=np.int32)
         for arrays in scenes:
             np.add.at(counts, np.ravel_multi_index(_cells(arrays), _SHAPE), 1)

@@ -115,7 +115,10 @@ def _pinwheel(node: Pinwheel, frame: Frame) -> list[Bounds]:
 
 
 def bend_pieces(bend: Bend, frame: Frame) -> list[Frame]:
-    """Return frames over the pieces of a bend: as long as the middle line, as wide as the lanes."""
+    """Return frames over the pieces of a bend.
+
+    They are as long as the middle line and as wide as the lanes; at a turn neighbours overlap.
+    """
     x, y = frame.point(bend.start[0] * frame.length_m, bend.start[1] * frame.width_m)
     heading = frame.yaw_rad + bend.heading_rad
     pieces: list[Frame] = []
@@ -166,12 +169,19 @@ def _bend(bend: Bend, frame: Frame, base_m: float) -> Iterator[Cell]:
 
 
 def merged(cells: Sequence[Cell]) -> list[Cell]:
-    """Join cells of one merge number to as few as possible; void cells are left out."""
+    """Join cells of one merge number to as few as possible.
+
+    A room of several leaves thereby becomes one box, or a few; void cells are left out.
+    """
     return [cell for _, cell in merged_from(cells)]
 
 
 def merged_from(cells: Sequence[Cell]) -> list[tuple[int, Cell]]:
-    """Join cells as `merged` does, each with the number of the first cell that is joined to it."""
+    """Join cells as `merged` does.
+
+    Returns:
+        Each joined cell with the number of the first cell that is part of it.
+    """
     groups: dict[tuple[int, int], list[int]] = defaultdict(list)
     for index, cell in enumerate(cells):
         if cell.leaf.kind != VOID:

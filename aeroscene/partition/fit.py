@@ -66,7 +66,10 @@ class Widths:
     """Widths found so far."""
 
     def shared(self, width_m: float) -> float:
-        """Return a width that was found before if there is a similar one, else this one."""
+        """Return a width that was found before if there is a similar one, else this one.
+
+        Widths that are equal up to rounding become one, so that a sequence names few of them.
+        """
         for known in self.found_m:
             if abs(known - width_m) <= _SAME_WIDTH_M:
                 return known
@@ -91,7 +94,11 @@ def fit(pieces: Sequence[Piece], widths: Widths | None = None, hull: Bounds | No
 
 
 def number_merges(node: Node) -> Node:
-    """Number the keys of leaves from 1 in order; 0 for a key with one leaf alone."""
+    """Number the keys of leaves from 1 in order.
+
+    A key with one leaf alone becomes 0. Equal layouts therefore have equal trees, whatever the ids
+    of their objects.
+    """
     found = [n.merge for n in walk(node) if isinstance(n, Leaf) and n.merge]
     counts = Counter(found)
     several = [key for key in dict.fromkeys(found) if counts[key] > 1]
@@ -259,7 +266,10 @@ def can_cut(owners: _Owners) -> Bool[np.ndarray, "cuts rows"]:
 
 
 def full_cuts(owners: _Owners) -> list[int]:
-    """Return the columns before which a line crosses nothing in any row, and parts something."""
+    """Return the columns before which a line can cut from side to side.
+
+    It crosses nothing in any row, and it separates something in at least one.
+    """
     is_cut = can_cut(owners).all(axis=1) & (owners[1:] != owners[:-1]).any(axis=1)
     return (np.flatnonzero(is_cut) + 1).tolist()
 

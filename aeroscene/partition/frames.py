@@ -43,15 +43,25 @@ class Frame:
         return (c * dx + s * dy + self.length_m / 2, c * dy - s * dx + self.width_m / 2)
 
     def inner(self, bounds: Bounds, turn_rad: float = 0.0) -> Frame:
-        """Return the frame over a rectangle in own coordinates, turned about its middle."""
+        """Return the frame over a rectangle in own coordinates.
+
+        Args:
+            bounds: The rectangle.
+            turn_rad: Turn about the rectangle's own middle.
+        """
         x0, y0, x1, y1 = bounds
         x, y = self.point((x0 + x1) / 2, (y0 + y1) / 2)
         return Frame(x, y, self.yaw_rad + turn_rad, x1 - x0, y1 - y0)
 
     def bounds_of(self, other: Frame) -> Bounds:
-        """Return the own coordinates of a frame whose heading differs by quarter turns."""
+        """Return the own coordinates of an aligned frame.
+
+        Args:
+            other: Frame whose heading differs by quarter turns, up to a small rest that is ignored.
+        """
         quarter, _ = nearest_quarter(other.yaw_rad - self.yaw_rad)
         du, dv = other.length_m / 2, other.width_m / 2
+        # After a quarter turn length and width are exchanged.
         du, dv = (du, dv) if quarter % 2 == 0 else (dv, du)
         u, v = self.local(other.x_enu_m, other.y_enu_m)
         return (u - du, v - dv, u + du, v + dv)
@@ -75,10 +85,16 @@ class Frame:
 
 
 def frame_of(box: OrientedBox, yaw_rad: float | None = None) -> Frame:
-    """Return the frame over a box, or over an aligned box in another heading."""
+    """Return the frame over a box.
+
+    Args:
+        box: The box; its tilt is ignored.
+        yaw_rad: Heading of the frame, off the box's by quarter turns; None takes the box's own.
+    """
     found = Frame(box.p[0], box.p[1], box.yaw_rad, box.s[0], box.s[1])
     if yaw_rad is None:
         return found
+    # An empty frame at the origin serves as a coordinate system.
     plane = Frame(0.0, 0.0, yaw_rad, 0.0, 0.0)
     return plane.inner(plane.bounds_of(found))
 

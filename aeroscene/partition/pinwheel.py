@@ -32,6 +32,7 @@ def find_pinwheel(
         cuts = _find(x, y)
         if cuts:
             west, east, south, north = cuts
+            # Lines of the mirror image count from the other side.
             n = len(can_cut_y)
             return is_mirrored, (n - east, n - west, south, north) if is_mirrored else cuts
     return None
@@ -40,8 +41,8 @@ def find_pinwheel(
 def _find(x: np.ndarray, y: np.ndarray) -> Cuts | None:
     """Find the one whose eastern cut begins at the south; lines are numbered from 1."""
     n_columns, n_rows = len(y), x.shape[1]
-    # How far the line before each column can run from the south and from the north, and likewise
-    # rows.
+    # How far the line before each column can run from the south and from the
+    # north, and likewise rows.
     north_of = [_run(x[i]) for i in range(n_columns - 1)]
     south_of = [n_rows - _run(x[i, ::-1]) for i in range(n_columns - 1)]
     east_of = [_run(y[:, j]) for j in range(n_rows - 1)]

@@ -96,6 +96,7 @@ class Pinwheel:
 
     def __post_init__(self) -> None:
         west, east, south, north = self.cuts
+        # The middle touches no side of the frame, or it would be no pinwheel.
         if not (0 < west < east < 1 and 0 < south < north < 1):
             raise PartitionError(f"pinwheel.cuts is {self.cuts}; valid: 0 < low < high < 1")
 
@@ -188,7 +189,10 @@ Node = Leaf | Slice | Cross | Pinwheel | Overlay | Bend
 
 
 def children(node: Node) -> tuple[Node, ...]:
-    """Return the nodes right below a node, in order; an overlay's leaf is its first."""
+    """Return the nodes right below a node, in order.
+
+    An overlay's leaf is its first child, and absent banks of a bend are left out.
+    """
     match node:
         case Leaf():
             return ()
@@ -228,12 +232,16 @@ def with_children(node: Node, nodes: tuple[Node, ...]) -> Node:
             return Overlay(base, tuple(replace(item, tree=tree) for item, tree in items))
         case Bend():
             trees = iter(nodes)
+            # Only banks with a tree are among the children, see `children`.
             banks = tuple(bank and replace(bank, tree=next(trees)) for bank in node.banks)
             return replace(node, banks=banks)
 
 
 def walk(node: Node) -> Iterator[Node]:
-    """Yield a node and everything below it, in pre-order."""
+    """Yield a node and everything below it, in pre-order.
+
+    Sequences and cells have the same order, so numbers of leaves agree.
+    """
     yield node
     for child in children(node):
         yield from walk(child)
@@ -248,6 +256,7 @@ def part_lengths(parts: tuple[Part, ...], length_m: float) -> list[float]:
     fixed = sum(part.value for part in parts if part.is_width)
     if fixed >= length_m:
         raise PartitionError(f"strips are {fixed:.3f} m wide; valid: below {length_m:.3f} m")
+    # Strips keep their metres; shares divide the rest.
     return [part.value if part.is_width else part.value * (length_m - fixed) for part in parts]
 
 
@@ -271,6 +280,7 @@ def _check_parts(name: str, parts: tuple[Part, ...]) -> None:
     shares = [part.value for part in parts if not part.is_width]
     if min((part.value for part in parts), default=0.0) <= 0.0:
         raise PartitionError(f"{name} is {parts}; valid: values above 0")
+    # A side of strips alone has no shares, whose sum is 0, and is refused as well.
     if not math.isclose(sum(shares), 1.0, abs_tol=SHARES_TOLERANCE):
         raise PartitionError(f"{name} has shares {shares}; valid: shares that sum to 1")
 

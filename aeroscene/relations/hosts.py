@@ -19,7 +19,10 @@ _INSIDE = frozenset({Kind.EDGE, Kind.CENTRE, Kind.ON, Kind.SCATTER})
 
 
 def is_furniture(category_id: int) -> bool:
-    """True if objects on this category lie on its top, not within a ground, room or shell."""
+    """True if objects on this category lie on its top.
+
+    Other objects lie within their bearer: a ground, a room or a shell.
+    """
     return CATALOGUE[category_id].level == "fine"
 
 
@@ -116,6 +119,7 @@ class Standing:
             return self._roads[:MAX_HOSTS]
         if CATALOGUE[category_id].name in STAIRS:
             return self._levels_from(parent_id)[:MAX_HOSTS]
+        # A plate's chairs come first: they were drawn for this table.
         seats = self._seats[parent_id] if parent_id is not None and kind == Kind.SIDE else []
         return [*seats, *beside][:MAX_HOSTS]
 

@@ -124,7 +124,12 @@ def foot_m(category_id: int, size_m: Vector3) -> Half:
 
 
 def cell_places(unit: Unit, host: Rectangle) -> list[Place]:
-    """Return the place of each member, without its own residual."""
+    """Return the place of each member, without its own residual.
+
+    Args:
+        unit: The unit.
+        host: Footprint of its host.
+    """
     relation, array, residual = unit.relation, unit.array, unit.residual
     halves_m = [foot_m(member.category_id, member.size_m) for member in unit.members]
     if array is None:

@@ -38,6 +38,7 @@ class Place:
         """Return u and v in m and the turn in rad, within half a turn, of another place."""
         cos, sin = math.cos(self.yaw_rad), math.sin(self.yaw_rad)
         x_m, y_m = other.x_m - self.x_m, other.y_m - self.y_m
+        # The remainder lies within half a turn, so small deviations stay small.
         turn_rad = math.remainder(other.yaw_rad - self.yaw_rad, 2.0 * math.pi)
         return cos * x_m + sin * y_m, cos * y_m - sin * x_m, turn_rad
 
@@ -57,7 +58,11 @@ class Rectangle:
         return Place(self.place.x_m, self.place.y_m, self.place.yaw_rad + side * QUARTER)
 
     def reach_m(self, side: int) -> Half:
-        """Return the half extents along a side's normal and along the side."""
+        """Return the half extents along a side's normal and along the side.
+
+        Args:
+            side: Side 0 to 3, see `from_side`.
+        """
         return self.half_m if side % 2 == 0 else (self.half_m[1], self.half_m[0])
 
 
@@ -71,7 +76,12 @@ def footprint(box: OrientedBox) -> Rectangle:
 
 
 def turned_reach_m(half_m: Half, turn_rad: float) -> Half:
-    """Return the half extents of a turned rectangle along the axes before the turn."""
+    """Return the half extents of a turned rectangle along the axes before the turn.
+
+    Args:
+        half_m: Half extents along its own axes.
+        turn_rad: Its turn.
+    """
     cos, sin = abs(math.cos(turn_rad)), abs(math.sin(turn_rad))
     return cos * half_m[0] + sin * half_m[1], sin * half_m[0] + cos * half_m[1]
 
@@ -86,6 +96,7 @@ def hull(rectangles: Sequence[Rectangle]) -> Rectangle:
         for axis, at_m in enumerate((u_m, v_m)):
             low[axis] = min(low[axis], at_m - reach_m[axis])
             high[axis] = max(high[axis], at_m + reach_m[axis])
+    # Back from the first rectangle's frame to the world.
     middle = place.moved((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
     return Rectangle(middle, ((high[0] - low[0]) / 2, (high[1] - low[1]) / 2))
 

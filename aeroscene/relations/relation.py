@@ -87,6 +87,7 @@ SEAT_GAPS_M = (-0.35, -0.15, 0.05, 0.25)
 LANE_RATIOS = (0.06, 0.145, 0.25, 0.31)
 """Distances of the middles of lanes from that of the road, as shares of its width: profiles with
 and without parking on one or both sides."""
+# Negative v is to the right of the direction of travel.
 LANES = tuple(-ratio for ratio in LANE_RATIOS) + LANE_RATIOS
 """Slots along v of the direction of travel: right of the middle first, then left."""
 OUTSIDE = frozenset({Kind.SEAT, Kind.SIDE, Kind.FACING})
@@ -145,6 +146,7 @@ class Array:
     def cells(self, kind: Kind) -> list[tuple[int, int]]:
         """Return row and column of each place with a member; at a table side and seat."""
         if kind == Kind.SEAT:
+            # Sides +x, +y, -x, -y in turn: opposite sides have equally many seats.
             counts = (self.rows, self.columns) * 2
             found = [(side, seat) for side, count in enumerate(counts) for seat in range(count)]
         else:
@@ -191,6 +193,7 @@ class Unit:
 
         All members of a group but the first are pinned by the array, once the first one stands.
         """
+        # The array fixes all but the first: its rows and pitches give their places.
         if self.is_group and member > 0:
             return True, True, True
         return self.relation.pinned

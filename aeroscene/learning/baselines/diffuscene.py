@@ -67,8 +67,8 @@ class DiffuScene(BaselineModel):
     def forward(self, batch: TokenBatch, generator: torch.Generator) -> LossTerms:
         """L_sce + 0.1 L_iou of a batch at random times."""
         assert batch.weight is not None
-        # Geometry and categories count alike, although there are ten times as many category
-        # channels.
+        # Geometry and categories count alike, although there are ten times
+        # as many category channels.
         weight = batch.weight.clone()
         weight[..., N_GEOMETRY:] *= N_GEOMETRY / (N_CHANNELS - N_GEOMETRY)
         batch = replace(batch, weight=weight)
@@ -131,7 +131,7 @@ class LayoutReader:
             rows[..., LOG_SIZE].exp(),
             1 + likely,
             category.amax(dim=-1) > x[..., EMPTY].detach(),
-            # The levels are those of the first scene. Nothing reads them where there are several
-            # scenes.
+            # The levels are those of the first scene. Nothing reads them where
+            # there are several scenes.
             torch.from_numpy(IS_COARSE).to(x.device)[likely[0]],
         )

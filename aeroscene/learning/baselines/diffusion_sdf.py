@@ -132,8 +132,8 @@ class DiffusionSdf(BaselineModel):
         return self.code.decode(self._decode(code)[0].double().cpu().numpy())
 
     def _encode(self, x: Float[Tensor, "batch n c"]) -> tuple[Tensor, Tensor]:
-        # The objects are decoded in their order, so the code has to hold the order: slots have
-        # vectors.
+        # The objects are decoded in their order, so the code has to hold the
+        # order: slots have vectors.
         place = self.inward(x) + self.geometry(x[..., :N_GEOMETRY]) + self.slots
         for layer in self.among:
             place = layer(place)

@@ -165,8 +165,8 @@ class LayoutSet:
         """Sixteen hexadecimal digits that differ between sets of scenes."""
         digest = hashlib.sha256()
         for example in self.examples:
-            # Rounded, so that the last bits of another machine's arithmetic do not change the
-            # digest.
+            # Rounded, so that the last bits of another machine's arithmetic
+            # do not change the digest.
             digest.update(np.round(self.code.encode(example), 4).astype("<f4").tobytes())
         return digest.hexdigest()[:16]
 

@@ -42,6 +42,7 @@ class Marginals:
         count = len(layouts[int(rng.integers(len(layouts)))])
         pool = _together(layouts)
         category = pool.category[rng.integers(len(pool.category), size=count)]
+        # Places, sizes and headings are independent on purpose: only marginals are kept.
         picks = np.array([self._alike(pool, number, rng) for number in category.tolist()])
         center = np.stack([pool.center_enu_m[picks[:, axis], axis] for axis in range(3)], axis=1)
         boxes = FlatBoxes(category, center, pool.yaw_rad[picks[:, 4]], pool.size_m[picks[:, 3]])

@@ -82,10 +82,12 @@ def _baseline(
     training: str = "",
     training_cfg: TrainCfg = BASELINE_TRAINING,
 ) -> Method:
+    # Methods with one training share its folder and cost.
     shared = training or name
     return Method(
         name=name,
         title=title,
+        # Tables must not suggest that these are the authors' own programs.
         source=f"re-implementation from {source}",
         training=shared,
         fit=lambda lessons, cfg, watcher: fit_baseline(

@@ -114,6 +114,7 @@ def fit_preset(
         ),
         watcher,
     )
+    # CPU time, as for the baselines.
     begun_s = time.process_time()
     is_done = training.run(state)
     spent_s = time.process_time() - begun_s
@@ -156,8 +157,8 @@ def _spent(training: Training, spent_s: float, *, is_done: bool) -> Spent:
     return Spent(
         parameters=sum(value.numel() for value in parameters),
         steps=sum(each.step for each in trainings.values()),
-        # The greater one: seconds of the parts survive an interruption, and the whole also has the
-        # prior.
+        # The greater one: seconds of the parts survive an interruption, and the
+        # whole also has the prior.
         cpu_s=max(sum(each.seconds for each in trainings.values()), spent_s),
         flop=sum(each.step * _flop(training, part) for part, each in trainings.items()),
         is_done=is_done,

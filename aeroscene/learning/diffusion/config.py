@@ -53,6 +53,7 @@ class ScheduleCfg:
     def __post_init__(self) -> None:
         require_choice("schedule", self, kind=ScheduleKind)
         require_ranges(self, DiffusionError, "schedule.")
+        # Betas are scaled to T, and each must stay a variance below 1.
         top = self.beta_last * 1000 / self.n_steps
         if self.kind == "linear" and not (0 < self.beta_first <= self.beta_last and top < 1):
             raise DiffusionError(

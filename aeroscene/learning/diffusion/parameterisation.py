@@ -61,6 +61,7 @@ def predicted_x0(
         return output
     if kind == "v":
         return over_tokens(alpha) * x_t - over_tokens(sigma) * output
+    # From x_t = alpha x0 + sigma eps; for the velocity the inverse is a rotation by the same angle.
     return (x_t - over_tokens(sigma) * output) / over_tokens(alpha.clamp(min=_LEAST_ALPHA))
 
 

@@ -126,8 +126,8 @@ class Schedule:
         """
         log = self.log_alpha_bar[1:]
         ratio = log - torch.log(-torch.expm1(log))
-        # The first step has no width of its own, since log SNR at t = 0 is infinite; it takes the
-        # next one's.
+        # The first step has no width of its own, since log SNR at t = 0 is infinite;
+        # it takes the next one's.
         width = -torch.cat([ratio[1:2] - ratio[:1], ratio.diff()])
         density = torch.exp(-(((ratio - mean) / spread) ** 2) / 2) * width
         return torch.lerp(density / density.sum(), width / width.sum(), even_share).cumsum(0)

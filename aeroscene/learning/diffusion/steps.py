@@ -104,8 +104,8 @@ def dpm_solver_step(
     """
     step = to.half_log_snr - at.half_log_snr
     blend = x0
-    # The last step goes to sigma 0, an infinite step in log SNR, where the extrapolation is
-    # undefined.
+    # The last step goes to sigma 0, an infinite step in log SNR, where the
+    # extrapolation is undefined.
     if before is not None and not isinf(step):
         ratio = (at.half_log_snr - before[1].half_log_snr) / step
         blend = torch.lerp(before[0], x0, 1 + 1 / (2 * ratio))

@@ -64,6 +64,7 @@ class ProgramProposal:
         Given values count even if they are out of the range of training.
         """
         known, draft = self.language, self.draft
+        # Back to metres and radians before anything is put in.
         program = from_example(self.example, known.vocabulary, known.statistics)
         # Before given values are put in: those must stay as they are.
         program = on_atoms(program, known.statistics.atoms)

@@ -158,6 +158,7 @@ class Generator:
             DeviceError: If memory runs out.
             RequestError: If a request cannot be met.
         """
+        # A batch at a time, so that the caller sees scenes as they are finished.
         for start in range(0, len(requests), batch_size):
             chunk = requests[start : start + batch_size]
             for request, drawn in zip(chunk, self._proposed(chunk, attempt, on_step), strict=True):
@@ -222,8 +223,8 @@ class Generator:
         raw = _raw(drawn.proposal, request, drawn.rng)
         feasible = request.projected(raw, drawn.rng, drawn.limits)
         report = feasible.report
-        # A scene to complete has its lots and bridges from its owner: those are no reason to reject
-        # it.
+        # A scene to complete has its lots and bridges from its owner: those
+        # are no reason to reject it.
         if report.rejection is None and request.kept is None and self._makes_places:
             report = replace(report, rejection=senseless(feasible.scene))
         return Generated(request, attempt, drawn.proposal, raw, feasible.scene, report, drawn.wish)

@@ -68,6 +68,8 @@ class GivenPart:
                 f"scene {kept.scene_id!r} has an object of category {strange!r}, which the "
                 f"model never saw; valid: {', '.join(known)}"
             ) from None
+        # The exact program counts from the same references as the model's, so
+        # channels can be exchanged.
         program = with_references(encoded, language.statistics.references)
         return GivenPart(kept, program, encoded.object_ids, example)
 
@@ -189,5 +191,6 @@ def _bears_in(region: Region, obj: SceneObject) -> bool:
     """True if the objects on this one may lie in a region: above it, or inside of a room."""
     base_m = obj.bbox.p[2] - obj.bbox.s[2] / 2
     top_m = base_m + obj.bbox.s[2] if obj.category in ROOMS else np.inf
+    # Furniture and ground have no upper limit for what they bear.
     is_level = base_m <= region.high_enu_m[2] and top_m >= region.low_enu_m[2]
     return is_level and region.is_over(obj.bbox)

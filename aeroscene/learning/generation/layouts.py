@@ -113,14 +113,15 @@ class FlatProposer:
         ]
         layouts, turns = [layout for layout, _ in blanks], [turn for _, turn in blanks]
         noise = noise_of(rngs, model.device)
+        # False is the first pass, of coarse objects; the paper's preset has the second only.
         passes = (False, True) if model.statistics.has_regions else (True,)
         for is_second in passes:
             rows = [
                 _row(layout, turn, model.statistics, is_second=is_second)
                 for layout, turn in zip(layouts, turns, strict=True)
             ]
-            # A pass in which every object is given has nothing to draw: a scene without fine
-            # objects.
+            # A pass in which every object is given has nothing to draw: a
+            # scene without fine objects.
             if all(row.n == row.is_given * row.layout.n_coarse for row in rows):
                 continue
             layouts = self._sampled(rows, noise, on_step)
@@ -173,6 +174,7 @@ class FlatProposer:
                 values.copy() for values in (layout.center_enu_m, layout.yaw_rad, layout.size_m)
             ]
             for new, values in zip(news, (center, yaw, size), strict=True):
+                # The batch has padded slots; a layout has none.
                 new[: row.n] = values[i, slots]
             found.append(replace(layout, center_enu_m=news[0], yaw_rad=news[1], size_m=news[2]))
         return found

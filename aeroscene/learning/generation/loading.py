@@ -128,6 +128,7 @@ class _Loader:
     def _flat(self, statistics: FlatStatistics) -> FlatProposer:
         prior = self._loaded(SemanticPrior(self._sections["prior"]), "prior")
         read = FlatReader(statistics, self._device)
+        # Categories that hold fine objects in training.
         is_hollow = torch.from_numpy(statistics.holds).to(self._device)
         return FlatProposer(
             FlatModel(

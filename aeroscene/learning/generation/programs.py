@@ -64,6 +64,7 @@ class ProgramProposer:
             if request.redo is not None
         }
         rest = [row for row in range(len(requests)) if row not in redone]
+        # Each program has its own random numbers, so its tokens do not depend on the batch.
         drafts = [self._draft(requests[row], wishes[row], rngs[row]) for row in rest]
         denoised: list[Proposal] = []
         if drafts:
@@ -101,6 +102,7 @@ class ProgramProposer:
         goes on beside them.
         """
         scene, unread = redo.kept, unread_in(redo.kept)
+        # Objects of the finished scene: those that stay, and as many new ones as wished for.
         n_wanted = len(redo.kept.objects) + wish.n_fine - redo.n_kept_fine
         noise = noise_of([rng], self._denoising.device)
         for number in range(MOST_ROUNDS):

@@ -108,6 +108,7 @@ class Redo:
         """
         ids = {obj.id for obj in known.objects}
         found: list[SceneObject] = []
+        # New objects follow the known ones, see `furnish`.
         for obj in drawn.objects[len(known.objects) :]:
             is_borne = obj.parent_id is None or obj.parent_id in ids
             if is_borne and self.region.holds(obj.bbox.p):

@@ -84,6 +84,7 @@ class Request:
         ):
             if value is not None:
                 limits.require(name, value, RequestError)
+        # Both fix the number of objects, and neither may win silently.
         if self.density is not None and self.n_objects is not None:
             raise RequestError(
                 f"density is {self.density:g} beside objects {self.n_objects}; "
@@ -128,6 +129,7 @@ class Request:
         """The coarse part of the scene that is to be completed; None if none is."""
         if self.complete is None:
             return None
+        # Areas, wishes and measures of the old scene would no longer be true.
         coarse = tuple(obj for obj in self.complete.objects if obj.is_coarse)
         return replace(self.complete, objects=coarse, interaction_areas=(), wishes={}, measured={})
 
@@ -242,6 +244,7 @@ class Request:
         if self.redo is not None:
             return self._redone(wish, self.redo)
         if self.density is not None:
+            # A scene has at most 250 objects, and the coarse ones are needed.
             n_fine = min(round(self.density * n_fine), max(0, int(OBJECTS.high) - n_coarse))
         return replace(wish, n_coarse=n_coarse, n_fine=n_fine, theme=self.theme or "")
 
@@ -302,6 +305,7 @@ class Request:
         self, alike: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
     ) -> tuple[Wish, AreaLimits | None]:
         """Draw the contents of one of these scenes, and put in what is asked for."""
+        # Drawn even if it is not used, so that the next draw stays the same.
         limits = area_limits(self.n_areas, draw_budget(rng))
         wish = self._with_objects(alike[int(rng.integers(len(alike)))])
         if self.n_areas is not None:

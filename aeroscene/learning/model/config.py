@@ -116,11 +116,13 @@ class ModelCfg:
             raise ModelCfgError(f"place_width is {self.place_width}; valid: even numbers, 2 to 256")
         if not self.unet_widths:
             raise ModelCfgError("unet_widths is (); valid: one width or more")
+        # Attention at every level splits its width among the heads.
         for width in self.unet_widths:
             if width < 1 or width % self.heads:
                 raise ModelCfgError(
                     f"unet_widths is {width}; valid: multiples of heads, {self.heads}"
                 )
+        # With categories the network reads the paper's ten channels.
         if self.n_categories and self.channels != N_GEOMETRY:
             raise ModelCfgError(
                 f"channels is {self.channels} with n_categories {self.n_categories}; valid: "

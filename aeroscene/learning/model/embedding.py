@@ -39,8 +39,8 @@ class ProgramEmbedding(nn.Module):
     def __init__(self, cfg: ModelCfg, traits: Bool[Tensor, "kinds traits"], n_shapes: int) -> None:
         super().__init__()
         self.cfg = cfg
-        # Own and parent's channels, each in two forms; sines and cosines of three numbers; two
-        # places.
+        # Own and parent's channels, each in two forms; sines and cosines of
+        # three numbers; two places.
         features = 4 * cfg.channels + 6 * cfg.fourier_bands + 2 * cfg.place_width
         self.geometry = nn.Linear(features, cfg.width)
         self.own = nn.Parameter(0.1 * torch.randn(len(traits), cfg.width))
@@ -54,8 +54,8 @@ class ProgramEmbedding(nn.Module):
         self.domain = nn.Embedding(cfg.n_domains, cfg.width)
         self.wish = nn.Linear(3, cfg.width)
         place = sinusoid(torch.arange(N_PLACES), cfg.place_width)
-        # Buffers follow the module to its device. They are not saved: vocabulary and statistics
-        # restore them.
+        # Buffers follow the module to its device. They are not saved: vocabulary and
+        # statistics restore them.
         self.register_buffer("place", place, persistent=False)
         self.register_buffer("traits", traits, persistent=False)
         zeros = torch.zeros(len(traits), cfg.channels)

@@ -51,8 +51,8 @@ class Scale(nn.Module):
         self.modulation = nn.Linear(width, 3 * width)
         self.inward = nn.Linear(width, sum(self.parts))
         self.outward = nn.Linear(width * (1 + int(asks) + ffn_ratio), width)
-        # At zero the gate is closed: an untrained block passes its tokens on unchanged
-        # (adaLN-zero).
+        # At zero the gate is closed: an untrained block passes its tokens
+        # on unchanged (adaLN-zero).
         nn.init.zeros_(self.modulation.weight)
         nn.init.zeros_(self.modulation.bias)
 
@@ -120,8 +120,8 @@ class HierarchyBlock(nn.Module):
         else:
             (query,), (key, value) = above.cross, below.cross
             answer = attend(query, key, value, relations.bottom_up)
-            # A coarse token without fine tokens has nothing to attend to; its answer is noise and
-            # is removed.
+            # A coarse token without fine tokens has nothing to attend to; its answer
+            # is noise and is removed.
             mixed_coarse.append(answer * relations.has_fine)
         return (
             self.coarse.write(coarse, above, *mixed_coarse),

@@ -107,8 +107,8 @@ class FlatBoxes:
         center, n_coarse = self.center_enu_m[order], int(is_coarse.sum())
         region = np.full(len(order), NO_REGION)
         if self.region is not None:
-            # Row that each old row moves to; the last entry keeps `NO_REGION`, which is -1, in its
-            # place.
+            # Row that each old row moves to; the last entry keeps `NO_REGION`,
+            # which is -1, in its place.
             place = np.append(np.argsort(order), NO_REGION)
             region[n_coarse:] = place[self.region[order]][n_coarse:]
         elif n_coarse:
@@ -124,7 +124,7 @@ class FlatBoxes:
 
     def _box(self, row: int) -> OrientedBox:
         return OrientedBox(
-            # Tenths of a millimetre and millimetres: a scene's document stays short.
+            # Places to tenths of a millimetre, extents to millimetres.
             tuple(np.round(self.center_enu_m[row], 4).tolist()),
             quat_from_yaw(float(self.yaw_rad[row])),
             tuple(np.maximum(np.round(self.size_m[row], 3), MIN_SIZE_M).tolist()),
@@ -144,7 +144,7 @@ def _regions(
     across = np.abs(cos * offset[..., 1] - sin * offset[..., 0])
     half_m = size_m[:n_coarse] / 2
     is_in = (along <= half_m[:, 0]) & (across <= half_m[:, 1])
-    # There is no upper limit: lamps and shelves above a table still belong to it.
+    # There is no upper limit: objects high above a coarse object still belong to it.
     is_in &= offset[..., 2] >= -half_m[:, 2]
     area = np.where(is_in, half_m[:, 0] * half_m[:, 1], np.inf)
     nearest = np.linalg.norm(offset, axis=-1).argmin(axis=1)

@@ -101,7 +101,7 @@ def frames_of(layout: FlatLayout, statistics: FlatStatistics) -> Frames:
         origin[inside] = layout.center_enu_m[region]
         height = layout.size_m[region, 2]
         on_top = statistics.stands_on_top[layout.category[region]]
-        # Things on a table count from its top, things in a room from its floor.
+        # Objects on ground count from its top, objects in a room from its underside.
         origin[inside, 2] += np.where(on_top, height, -height) / 2
         yaw[inside] = layout.yaw_rad[region]
         half[inside] = np.maximum(layout.size_m[region, :2] / 2, LEAST_HALF_M)

@@ -94,6 +94,7 @@ def flat_layout(scene: Scene, wish: Wish, *, has_regions: bool) -> FlatLayout:
         wish=wish,
     )
     reach = np.abs(layout.center_enu_m[:, :2]) + _level_extents(layout) / 2
+    # The site's half extents are about the origin, even if its objects lie to one side.
     half_m = np.maximum(reach.max(axis=0, initial=_LEAST_HALF_M), _LEAST_HALF_M)
     return _ordered(replace(layout, half_m=half_m))
 

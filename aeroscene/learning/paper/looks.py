@@ -49,6 +49,8 @@ class Looks:
         for scene in scenes:
             for obj in scene.objects:
                 if not any(name in obj.attributes for name in _OPENINGS):
+                    # As text, because dictionaries cannot be counted; sorted,
+                    # so that equal ones agree.
                     text = msgspec.json.encode(obj.attributes, order="sorted")
                     counts[obj.category][obj.domain, text] += 1
         return cls({name: _ranked(counts[name]) for name in sorted(counts)})

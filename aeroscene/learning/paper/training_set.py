@@ -85,6 +85,7 @@ class FlatTrainingSet:
 
         Each is turned at random, and mirrored at random indoors.
         """
+        # A whole batch belongs to one pass, because their numbers of slots differ.
         is_second = not self.statistics.has_regions or rng.random() >= COARSE_PASS_SHARE
         chosen = self.alike(size, rng, coarse_only=not is_second)
         layouts = [random_symmetry(each, rng) for each in chosen]

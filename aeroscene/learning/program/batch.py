@@ -51,6 +51,7 @@ def program_batch(
                 skeleton.twin.clip(max=MOST_SIBLINGS),
             ]
         )
+        # Tables of the networks are finite; rarer numbers share the last row.
         numbers = np.stack([example.member, example.host], axis=1).clip(0, _MOST)
         extra[row, slot] = np.column_stack([numbers, example.shape])
         mask[row, slot] = True

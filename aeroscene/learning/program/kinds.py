@@ -67,8 +67,8 @@ class Kind(msgspec.Struct, frozen=True, omit_defaults=True):
     attributes: Attributes = ()
     """Attributes that decide the shape, sorted by name; a scene has its theme here."""
 
-    # Defaults for every kind, so that a caller can read these from any kind. Subclasses make fields
-    # of some.
+    # Defaults for every kind, so that a caller can read these from any kind.
+    # Subclasses make fields of some.
     strip, turn, relation = 0, 0, ""
     is_turned, is_even, is_root, is_group = False, False, False, False
 
@@ -84,7 +84,9 @@ class Kind(msgspec.Struct, frozen=True, omit_defaults=True):
 
     def traits(self) -> set[str]:
         """Return a word for each field that is not empty, and for each attribute."""
+        # Fields at their defaults are left out, so that absent properties are no traits.
         said = msgspec.to_builtins(self)
+        # Each opening is a trait of its own.
         names: set[str] = set(said.pop("openings", ()))
         said.pop("attributes", None)
         return names | {f"{key} {value}" for key, value in (*said.items(), *self.attributes)}

@@ -86,8 +86,8 @@ def with_references(encoded: EncodedProgram, references: References) -> Program:
     program = encoded.program
     table: Int[np.ndarray, "n 4"] = np.array([references.of(kind) for kind in program.kinds])
     chosen = np.take_along_axis(encoded.choices, table[:, :, None], axis=2)[:, :, 0]
-    # A reference that does not exist, such as an absent bearer's extents, gives NaN: the first
-    # counts.
+    # A reference that does not exist, such as an absent bearer's extents,
+    # gives NaN: the first counts.
     missing = np.isnan(chosen)
     table = np.where(missing, 0, table)
     chosen = np.where(missing, encoded.choices[:, :, 0], chosen)

@@ -109,6 +109,7 @@ def count_program_kinds(programs: Iterable[Program]) -> ProgramVocabulary:
     for program in programs:
         kinds.update(program.kinds)
         shapes.update(program.shapes)
+        # Sorted keys, so that equal looks are equal texts.
         for kind, some in zip(program.kinds, program.looks, strict=True):
             texts = (msgspec.json.encode(dict(sorted(each.items()))).decode() for each in some)
             looks[kind.what].update(texts)

@@ -44,6 +44,7 @@ class MovingAverage:
         Args:
             step: Number of the step, from 1.
         """
+        # From 2/11 at the first step to the full decay after many.
         decay = min(self._decay, (1 + step) / (10 + step))
         get_ema_multi_avg_fn(decay)(self._to, self._from, step)
         for mine, theirs in self._counts:

@@ -113,8 +113,8 @@ def carried(
     for name, value in weights.items():
         whole = value.float()
         if name == "bias":
-            # Several new kinds may stand for one old kind, whose probability they share by their
-            # counts.
+            # Several new kinds may stand for one old kind, whose probability
+            # they share by their counts.
             found[name] = _rows(whole, rows) + _shares(rows, new)
         elif name == "embedding.own":
             # The writer's last row stands for "no kind".

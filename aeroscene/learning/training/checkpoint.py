@@ -1,7 +1,7 @@
 """A trained model in one file: weights by part, and everything needed to run them.
 
     FILE.safetensors
-      tensors    writer.*, denoiser.*, prior.*: weights by their part's prefix;
+      tensors    writer.*, contents.*, denoiser.*, prior.*: weights by their part's prefix;
                  known.*: statistics and structure of its training data
       metadata   "aeroscene": JSON with format, version, preset, configurations, vocabulary,
                  training data, version of the code, figures
@@ -158,8 +158,8 @@ def _known(path: Path, facts: CheckpointFacts, tensors: Weights) -> Known:
     arrays: dict[str, Any] = {k: v.numpy() for k, v in under(tensors, _KNOWN).items()}
     try:
         if facts.preset in FLAT_PRESETS:
-            # Looks are parsed here so that a damaged file is refused now, and not when a scene is
-            # drawn.
+            # Looks are parsed here so that a damaged file is refused now, and
+            # not when a scene is drawn.
             Looks.from_json(facts.vocabulary)
             return FlatStatistics(**arrays)
         return Language.restored(facts.vocabulary, arrays)

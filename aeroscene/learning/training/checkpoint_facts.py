@@ -188,6 +188,7 @@ def _file_digest(path: Path) -> str:
         heads, first = _tensor_heads(file)
         for name, head in heads:
             dtype = _TORCH_NAMES.get(head.dtype, head.dtype)
+            # Name, type and shape are part of the digest: a renamed tensor is a damaged file.
             digest.update(tensor_title(name, dtype, head.shape))
             begin, end = head.data_offsets
             file.seek(first + begin)
@@ -251,6 +252,7 @@ def _check_categories(path: Path, facts: CheckpointFacts) -> None:
     known = category_names()
     if facts.is_foreign or facts.categories == known:
         return
+    # An example helps more than two lists of seventy names.
     strange = [name for name in facts.categories if name not in known]
     example = f"it has {strange[0]!r}" if strange else "they are others, or in another order"
     raise CheckpointError(

@@ -112,6 +112,7 @@ class Budget:
             step: Steps done.
             seconds: Seconds spent.
         """
+        # Whichever is further along ends the training.
         by_steps = 0.0 if self.steps is None else step / self.steps
         by_time = 0.0 if self.seconds is None else seconds / self.seconds
         return max(by_steps, by_time)

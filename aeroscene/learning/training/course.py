@@ -120,6 +120,7 @@ class Course:
         is_best = best.offer(step, loss, training.average.weights)
         line = {"stage": self.part, "step": step, "held_out": round(loss, 6), "is_best": is_best}
         append_line(self.folder, line)
+        # The figure belongs to the weights that the checkpoint has.
         kept = best.loss if best.keeps_weights else loss
         self._tell({"held_out_loss": kept, "held_out_least_step": best.step})
         self._tell({"held_out_least": best.loss})

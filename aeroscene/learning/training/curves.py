@@ -97,6 +97,7 @@ def _marks(low: float, high: float) -> list[float]:
     """Return round values from below the least of a curve to above its greatest."""
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
     ladder = _LADDER if last - first <= _FINE_DECADES else _LADDER[:1]
+    # From 1, 2, 5 of each decade; of many decades only their powers of ten.
     marks = [step * 10.0**decade for decade in range(first, last + 2) for step in ladder]
     least = max(i for i, mark in enumerate(marks) if mark <= low)
     greatest = min(i for i, mark in enumerate(marks) if mark >= high)

@@ -84,8 +84,8 @@ def open_training_data(
             f"valid: {_LEAST_SCENES} or more"
         )
     is_corpus = not is_layouts(path)
-    # In the paper the number of objects is drawn; only layouts of others need the wishes of their
-    # scenes.
+    # In the paper the number of objects is drawn; only layouts of others need
+    # the wishes of their scenes.
     is_flat = preset in FLAT_PRESETS
     wishes = [] if is_flat and is_corpus else [Wish.of(scene) for scene in train]
     data = prepared(
@@ -220,6 +220,7 @@ def training_scenes(
     dataset = open_dataset(path)
     train: list[Scene] = []
     held_out: list[Scene] = []
+    # In order of the manifest, which decides the order of the examples and thereby the digest.
     for entry in dataset.entries:
         (train if entry.split == "train" else held_out).append(dataset.read(entry))
         on_scene()

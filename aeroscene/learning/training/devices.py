@@ -63,6 +63,7 @@ def naming_memory(device: torch.device, way_out: str) -> Iterator[None]:
     except (torch.OutOfMemoryError, MemoryError) as error:
         raise DeviceError(_out_of_memory(device, way_out)) from error
     except RuntimeError as error:
+        # Other runtime errors are not about memory.
         if _CPU_ALLOCATION not in str(error):
             raise
         raise DeviceError(_out_of_memory(device, way_out)) from error

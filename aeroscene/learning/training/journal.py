@@ -21,6 +21,7 @@ def append_line(folder: Path, record: Mapping[str, Any]) -> None:
     Raises:
         OSError: If it cannot be written.
     """
+    # Opened for each line, so that every line is on disk when a crash comes.
     with (folder / LOG).open("a", encoding="utf-8") as file:
         file.write(json.dumps(record) + "\n")
 
@@ -37,6 +38,7 @@ def read_log(folder: Path) -> Iterator[dict[str, Any]]:
     for line in lines:
         try:
             record = json.loads(line)
+        # A crash may have cut the last line.
         except json.JSONDecodeError:
             continue
         if isinstance(record, dict):
@@ -55,6 +57,7 @@ def forget_after(folder: Path, stage: str, step: int) -> None:
         if record.get("stage") != stage or record.get("step", 0) <= step
     ]
     text = "".join(json.dumps(record) + "\n" for record in kept)
+    # Whole or not at all: a stop here must not lose the log.
     with replacing(folder / LOG) as file:
         file.write(text.encode())
 

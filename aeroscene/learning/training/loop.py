@@ -93,8 +93,7 @@ class PartTraining:
             StoppedError: If the user wants the training to end before there is a batch.
             TrainingError: If the loss is not finite any more.
         """
-        # Clock and steps decide the rate before the step, so that the first step warms up from
-        # zero.
+        # The rate follows the share of the training before this step.
         share = budget.share(self.step, self.seconds)
         rate = self.cfg.learning_rate * rate_factor(
             self.cfg.schedule,

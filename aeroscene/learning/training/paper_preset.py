@@ -59,6 +59,7 @@ def paper_cfg(n_categories: int) -> ModelCfg:
         channels=N_GEOMETRY,
         n_categories=n_categories,
         blocks=4,
+        # 128 m halved eight times: waves down to 0.5 m for faces.
         fourier_bands=9,
         unet_widths=(192, 192),
         grid_shape=(8, 8, 4),

@@ -79,6 +79,7 @@ def part_budgets(
     if seconds is None:
         return dict.fromkeys(shared, Budget(steps))
     if "contents" in shared and len(shared) > 1:
+        # The contents model takes a small share, the denoiser the rest.
         shares = {"contents": _CONTENTS_SHARE, "denoiser": 1 - _CONTENTS_SHARE}
     else:
         shares = dict.fromkeys(shared, 1 / max(1, len(shared)))

@@ -61,6 +61,7 @@ def train_prior_part(
     Returns:
         Its weights; None if it was stopped.
     """
+    # It begins anew, so its old lines go.
     forget_after(folder, "prior", 0)
     cfg = sections["training"]
     train = data.train
@@ -69,6 +70,7 @@ def train_prior_part(
     n_drawn = 0
 
     def layouts(size: int) -> Layout:
+        # Each step of the prior needs a batch of its own.
         nonlocal n_drawn
         batch = train.sample_batch(size, batch_generator(cfg.seed, _STREAM + n_drawn))
         n_drawn += 1
@@ -80,6 +82,7 @@ def train_prior_part(
         if step % _LOG_STEPS == 0:
             append_line(folder, {"stage": "prior", "step": step + 1, "total": round(loss, 6)})
         if not on_progress((step + 1) / cfg.prior_steps, {"total": loss}):
+            # An exception, because the training function has no other way to stop.
             raise _StoppedError
 
     generator = noise_generator(cfg.seed, _STREAM, device)
@@ -109,6 +112,7 @@ def loss_function(
         known = None
         if prior is not None:
             known = SemanticPrior(sections["prior"])
+            # The prior only judges: its weights are frozen below.
             known.load_state_dict(dict(prior))
             known = known.to(device).eval().requires_grad_(requires_grad=False)
         assert isinstance(data.train, FlatTrainingSet)

@@ -147,6 +147,7 @@ class Training:
 
     def _train(self, part: Part) -> bool:
         """Train a part; True if it is at its end, now or from before."""
+        # Taken parts and finished ones need no training.
         if part not in self.plan.parts or part in self.parts:
             return True
         if part == "prior":

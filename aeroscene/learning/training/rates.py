@@ -32,7 +32,7 @@ def rate_factor(
 
     Source: Loshchilov and Hutter 2017 (cosine); Hägele et al. 2024 (cooldown).
     """
-    # Warm-up counts in steps: the optimiser's moments need so many to settle.
+    # Warm-up counts in steps, the fall in shares of the training.
     warm = min(1.0, (step + 1) / max(1, warmup_steps))
     f = min(1.0, f)
     if schedule == "cosine":

@@ -53,6 +53,7 @@ def changed(sections: Mapping[str, Any], document: Mapping[str, Any]) -> dict[st
     for name, values in document.items():
         if name not in sections:
             raise TrainingError(f"section [{name}] is unknown; valid: {', '.join(sections)}")
+        # Here a field stands outside of any section.
         if not isinstance(values, dict):
             raise TrainingError(f"{name} is {values!r}; valid: a section [{name}] with fields")
         result[name] = section_with(sections[name], values, name)
@@ -70,6 +71,7 @@ def section_with(section: Section, values: Mapping[str, Any], name: str) -> Sect
     Raises:
         TrainingError: If a field does not exist, or a value has another type or is out of range.
     """
+    # Through plain data, so that msgspec checks types as it does for checkpoints.
     plain = section_to_plain(section)
     for key in values:
         if key not in plain:

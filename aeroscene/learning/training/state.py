@@ -113,6 +113,7 @@ def write_state(
 
 def _head(training: PartTraining) -> PartHead:
     best = training.best
+    # Step 0 means that nothing was measured yet.
     looked = {"best_step": best.step, "best_loss": best.loss} if best.step else {}
     return PartHead(step=training.step, seconds=training.seconds, **looked)
 

@@ -48,8 +48,8 @@ def draw_program(
         growth = Growth(syntax, _scene_kind(syntax, wish, theme, rng), wish)
     else:
         growth = given.growth
-        # The writer reads the coarse tokens that are given, and turns to the first that bears fine
-        # ones.
+        # The writer reads the coarse tokens that are given, and turns to the
+        # first that bears fine ones.
         draw.read(growth)
         growth.end()
     while not growth.is_done:

@@ -86,6 +86,7 @@ def encodable(
     for scene in scenes:
         try:
             found.append(encoded_program(scene, cfg))
+        # One scene without a program must not stop a corpus of thousands.
         except UnencodableError:
             continue
         wishes.append(Wish.of(scene))

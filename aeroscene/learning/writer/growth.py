@@ -184,8 +184,8 @@ class Growth:
         if len(self.kinds) >= MAX_TOKENS:
             allowed[0] = True
             return allowed
-        # From the deepest element upwards: the first that lacks a child forbids everything above
-        # it.
+        # From the deepest element upwards: the first that lacks a child
+        # forbids everything above it.
         for depth in range(len(self.path), 0, -1):
             if depth >= MAX_DEPTH:
                 continue

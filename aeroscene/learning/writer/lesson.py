@@ -50,7 +50,7 @@ def wish_numbers(wish: Wish) -> Float[np.ndarray, " 6"]:
     """Return a wish as numbers of order one: the domain, and logarithms of the counts."""
     domain = np.eye(len(DOMAINS))[DOMAINS.index(wish.domain)]
     counts = np.log1p([wish.n_coarse, wish.n_fine, wish.n_areas])
-    # 34 coarse objects, 114 fine ones and 56 areas are the corpus' means, which become 0.
+    # 34 coarse objects, 114 fine ones and 56 areas are the corpus' means: they become about 0.
     return np.concatenate([domain, 2 * counts - (7, 9.5, 8)]).astype(np.float32)
 
 

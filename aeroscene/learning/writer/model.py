@@ -168,8 +168,8 @@ class Writer(nn.Module):
             local: Features of the choice.
             table: Vectors of all kinds; the last row, "no kind", is left out.
         """
-        # Scores are products with the kinds' own vectors, so that rare kinds profit from shared
-        # traits.
+        # Scores are products with the kinds' own vectors, so that rare kinds
+        # profit from shared traits.
         return self.kind(local) @ table[:-1].T + self.bias
 
     def rest_logits(

@@ -39,6 +39,7 @@ class StepwiseWriter:
         self._numbers = [
             _array(each.weight) for each in writer.numbers if isinstance(each, nn.Embedding)
         ]
+        # Products of a kind's vector with fixed matrices: a look-up replaces them at each step.
         self._kind = self.table @ _array(writer.of_kind.weight).T + _array(writer.of_kind.bias)
         self._parent = self.table @ _array(writer.of_parent.weight).T + _array(
             writer.of_parent.bias

@@ -88,8 +88,8 @@ class _Pair:
 
     def __init__(self, pictures: np.ndarray, reference: np.ndarray, least: int) -> None:
         check_features(pictures, reference, least)
-        # Relative to the reference's mean: otherwise large numbers would cancel in the differences
-        # below.
+        # Relative to the reference's mean: otherwise large numbers would cancel
+        # in the differences below.
         first = pictures.astype(float) - reference.mean(axis=0, dtype=float)
         second = reference.astype(float) - reference.mean(axis=0, dtype=float)
         self._first = first

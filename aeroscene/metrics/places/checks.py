@@ -68,6 +68,7 @@ class PlaceCheck:
         values = np.concatenate([np.zeros(0), *(self.judge(view) for view in views)])
         if not len(values):
             return float("nan")
+        # Shares are judged as numbers from 0 to 1, and reported in percent.
         scale = 100.0 if self.unit == "%" else 1.0
         return scale * float(np.median(values) if self.is_median else values.mean())
 

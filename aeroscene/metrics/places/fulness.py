@@ -41,8 +41,10 @@ def objects_per_100_m2(view: TopView, uses: Collection[str]) -> Float[np.ndarray
     rooms = np.array([row for row in view.rows(ROOMS) if view.use[row] in uses], dtype=int)
     if not len(rooms):
         return np.zeros(0)
+    # Objects on furniture are in the room, too.
     is_inside = np.any(view.arrays.is_ancestor[rooms], axis=0)
     is_fine = np.array([not obj.is_coarse for obj in view.scene.objects])
+    # Rooms are boxes, so their floors are rectangles.
     floor_m2 = float(np.prod(view.arrays.size_m[rooms, :2], axis=1).sum())
     return np.array([100.0 * np.count_nonzero(is_inside & is_fine) / floor_m2])
 

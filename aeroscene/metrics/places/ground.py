@@ -30,6 +30,7 @@ def patches(view: TopView) -> Float[np.ndarray, " sites"]:
     if not len(outlines):
         return np.zeros(0)
     first, second = near_pairs(outlines, outlines, GAP_M)
+    # Pieces are nodes and gaps are edges: patches are the components of the graph.
     joined = coo_array((np.ones(len(first)), (first, second)), shape=(len(outlines),) * 2)
     return np.array([float(connected_components(joined, directed=False)[0])])
 

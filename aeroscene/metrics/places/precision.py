@@ -41,6 +41,7 @@ def narrow_gaps(view: TopView) -> Bool[np.ndarray, " objects"]:
     is_pair = (first != second) & (
         view.arrays.parent[rows[first]] == view.arrays.parent[rows[second]]
     )
+    # Objects on different shelves are no neighbours.
     is_pair &= view.shared_height_m(rows[first], rows[second]) > _TOUCH_M
     first, second = first[is_pair], second[is_pair]
     apart_m = np.asarray(shapely.distance(outlines[first], outlines[second]))

@@ -30,6 +30,7 @@ def averted_chairs(view: TopView) -> Bool[np.ndarray, " chairs"]:
     is_near = (view.shared_height_m(chair, table) > 0) & ~_are_parted(view, chair, table)
     chair, table = chair[is_near], table[is_near]
     apart_m = shapely.distance(view.outline[chair], view.outline[table])
+    # Sorted by chair, then by distance: the first row of each chair is its nearest table.
     best = np.lexsort((apart_m, chair))
     best = best[np.unique(chair[best], return_index=True)[1]]
     chair, table = chair[best], table[best]

@@ -52,6 +52,7 @@ def _lines(
         is_in = (np.abs(across_m) <= OFF_LINE_M) & (cosine >= math.cos(OFF_HEADING_RAD))
         if is_in.sum() >= LEAST_IN_ROW:
             yield apart_m[is_in] @ axes[first]
+        # The first object is always in its own line, so the loop ends.
         rows = rows[~is_in]
 
 

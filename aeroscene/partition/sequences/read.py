@@ -42,7 +42,11 @@ def from_sequence(records: Sequence[Record]) -> Partition:
 
 
 def read_border(records: Sequence[Record]) -> Border:
-    """Return the border of a list of records, which begins with the widths that it may name."""
+    """Return the border of a list of records.
+
+    Args:
+        records: Records of the widths that it may name, then those of the border.
+    """
     widths = [record.values[0] for record in records if record.node == "width"]
     reader = _Reader(list(records[len(widths) :]), widths)
     return reader.border(reader.take("border"))
@@ -64,8 +68,10 @@ class _Reader:
 
     def partition(self) -> Partition:
         head = self.take("site", "storey")
+        # The last value is the base of a site, or the drop of a storey's walls.
         *values, last = head.values
         frame, tree = Frame(*values[:5]), self.node(self.take())
+        # A site has no borders, so its tree is the end.
         if head.node == "site":
             if self.at < len(self.records):
                 raise PartitionError("sequence goes on behind its site; valid: one partition")
@@ -156,6 +162,7 @@ class _Reader:
         segments = [self.take("segment") for _ in range(r.arity)]
         if not segments:
             return OPEN
+        # A record's kind is any text; only these four are segments.
         kinds: dict[str, SegmentKind] = {kind: kind for kind in get_args(SegmentKind)}
         return Border(
             tuple(Segment(kinds[s.kind], self.part(s), *s.values) for s in segments), r.kind

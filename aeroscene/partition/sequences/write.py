@@ -23,9 +23,16 @@ from aeroscene.partition.tree import (
 
 
 def to_sequence(partition: Partition) -> list[Record]:
-    """Return the records of a partition; `from_sequence` gives it back without loss."""
+    """Return the records of a partition.
+
+    `from_sequence` gives the partition back without loss.
+
+    Args:
+        partition: A site or a storey.
+    """
     widths = _widths_of(partition)
     writer = _Writer({width: number for number, width in enumerate(widths, 1)})
+    # Widths first, because later records name them by number.
     head = [Record("width", values=(width,)) for width in widths]
     frame = astuple(partition.frame)
     match partition:
@@ -52,6 +59,7 @@ def _widths_of(partition: Partition) -> list[float]:
             case _:
                 pass
     if isinstance(partition, StoreyPartition):
+        # Doors and windows share widths too: one door width serves a whole house.
         parts += (s.part for border in partition.borders for s in border.segments)
     # Equal widths are one record, in the order of their first use.
     return list(dict.fromkeys(part.value for part in parts if part.is_width))

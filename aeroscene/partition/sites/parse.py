@@ -72,6 +72,7 @@ def site_partition(scene: Scene, word: Word = category_word) -> ParsedSite | Non
     try:
         frame, tree = reader.tree(bodies, carried, longest.bbox.yaw_rad)
     except PartitionError:
+        # Straight sites are far more frequent, so the bend is the second attempt.
         bent = fit_bend(
             bodies, lambda obj, yaw: reader.node(obj, carried, yaw), reader.widths, word
         )
@@ -123,7 +124,14 @@ class _Reader:
         yaw_rad: float,
         host: Frame | None = None,
     ) -> tuple[Frame, Node]:
-        """Return the tree of covers side by side, over their hull or over their bearer."""
+        """Return the tree of covers side by side, over their hull or over their bearer.
+
+        Args:
+            bodies: The covers.
+            carried: Covers on them, by their ids.
+            yaw_rad: Heading of the tree's frame.
+            host: Frame of the bearer; None for covers on bare ground.
+        """
         plane = host or Frame(0.0, 0.0, yaw_rad, 0.0, 0.0)
         pieces: list[Piece] = []
         for obj in bodies:
@@ -134,6 +142,7 @@ class _Reader:
             pieces.append(Piece(plane.bounds_of(frame_of(obj.bbox)), node, obj.id + 1))
         hull: Bounds = hull_of(piece.bounds for piece in pieces)
         if host:
+            # Bare strips at the rim of the bearer become void leaves.
             hull = hull_of((hull, (0.0, 0.0, host.length_m, host.width_m)))
         tree = fit(pieces, self.widths, hull)
         self.used.update(obj.id for obj in bodies)
@@ -142,7 +151,13 @@ class _Reader:
     def node(
         self, obj: SceneObject, carried: dict[int, list[SceneObject]], yaw_rad: float | None = None
     ) -> Leaf | Overlay:
-        """Return a cover's leaf in a frame of a heading, with the covers on it."""
+        """Return a cover's leaf in a frame of a heading, with the covers on it.
+
+        Args:
+            obj: The cover.
+            carried: Covers on covers, by the ids of the latter.
+            yaw_rad: Heading of the frame; None takes the cover's own.
+        """
         frame = frame_of(obj.bbox, yaw_rad)
         quarter, _ = nearest_quarter(obj.bbox.yaw_rad - frame.yaw_rad)
         leaf = Leaf(self.word(obj), obj.bbox.s[2], quarter)

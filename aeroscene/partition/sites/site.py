@@ -36,6 +36,7 @@ def build_site(site: SitePartition) -> list[Cover]:
     Raises:
         PartitionError: If strips are wider than their frame.
     """
+    # Leaves of one number are one cover again, as the site had it.
     cells = merged_from(list(cells_of(site.tree, site.frame, site.base_m)))
     return [
         Cover(kind=c.leaf.kind, box=c.frame.box(c.leaf.quarter, c.base_m, c.top_m), leaf=leaf)

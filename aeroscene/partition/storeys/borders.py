@@ -68,8 +68,8 @@ class StandingWall:
 
     def openings(self) -> list[_Stretch]:
         """Return its door and its window, from its low end."""
-        # Offsets count along the wall's own y, which points against the frame's axis after these
-        # turns.
+        # Offsets count along the wall's own y, which points along the frame's axis after 0 or 3
+        # quarter turns, and against it otherwise.
         sign = 1.0 if self.quarter in {0, 3} else -1.0
         middle = sum(self.span) / 2
         found: list[_Stretch] = []

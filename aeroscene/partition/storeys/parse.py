@@ -155,8 +155,8 @@ def _zone(room: _Room, walls: Sequence[StandingWall]) -> Bounds:
     """Return a room widened to the middles of the walls around it."""
     sides = list(room.bounds)
     for wall in walls:
-        # Walls of other storeys do not count; neither do those that touch the room at a corner
-        # only.
+        # Walls of other storeys do not count; neither do those that touch
+        # the room at a corner only.
         if wall.base_m > room.top_m - 0.1 or wall.top_m < room.base_m + 0.1:
             continue
         across = 1 if wall.axis == "x" else 0

@@ -137,11 +137,13 @@ def find_lines(cells: Sequence[Cell], frame: Frame, *, has_outside: bool) -> lis
     ]
     found: list[Line] = []
     axes: tuple[tuple[Axis, int], ...] = (("x", 1), ("y", 0))
+    # Ordered pairs: each line is found once, with the lower room first.
     for (low_room, low), (high_room, high) in permutations(rooms + beyond * has_outside, 2):
         for axis, at in axes:
             start, end = max(low[1 - at], high[1 - at]), min(low[3 - at], high[3 - at])
             is_met = abs(low[at + 2] - high[at]) < _MEET_M and end - start > _MEET_M
             if is_met and low_room != high_room:
+                # Two leaves of one room have no line between them.
                 found.append(Line(axis, high[at], start, end, (low_room, high_room)))
     return [line for line in _joined(found) if line.high - line.low > _LEAST_M]
 

@@ -131,8 +131,8 @@ def _runs(plain: Wall, segments: Sequence[Segment]) -> list[Wall]:
             is_going_on = True
         if segment.kind != "wall":
             last = found[-1]
-            # A wall object has attributes for one door and one window, so a second door begins a
-            # new wall.
+            # A wall object has attributes for one door and one window, so a
+            # second door begins a new wall.
             if any(o.segment.kind == segment.kind for o in last.openings):
                 cut = (last.openings[-1].high + low) / 2
                 found[-1] = replace(last, high=cut)

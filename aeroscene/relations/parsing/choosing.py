@@ -73,6 +73,7 @@ def best_relation(ground: Ground, obj: SceneObject, outline: Rectangle) -> Choic
     """
     choices = list(_choices(ground, obj, outline))
     if obj.category in SIGNALS | STAIRS:
+        # A light that no road explains keeps its other relations.
         choices = [choice for choice in choices if choice[0].kind == Kind.SIDE] or choices
     return max(choices, key=_preference)
 
@@ -138,5 +139,6 @@ def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.Manne
     if obj.category in STAIRS:
         return "way"
     if ground.is_top(obj.parent_id):
+        # A plate may lie off its chair; other small objects belong together if they touch.
         return "thing" if ground.category(host_id) in SEATS else "small"
     return "thing" if ground.is_top(host_id) else "way"

@@ -174,6 +174,7 @@ def facing(host: Rectangle, child: Rectangle) -> Iterator[Relation]:
     """Yield the relation before the front of another, turned to it, if it holds."""
     u_m, v_m, turn_rad = host.place.local(child.place)
     gap_m = u_m - host.half_m[0] - child.half_m[0]
+    # Two quarter turns against the host: both fronts face each other.
     is_facing = quadrant_of(turn_rad) == 2 and abs(v_m) <= TOLERANCE_M
     # Nearer than that the object is beside the other.
     if is_facing and GAPS_M[-1] < gap_m <= _FACING_M:
@@ -185,6 +186,7 @@ def lane(road: Rectangle, child: Rectangle) -> Iterator[Relation]:
 
     The side counts from the heading, so right-hand traffic is the same in both directions.
     """
+    # A road runs along its longer side; each of its directions is tried.
     for side in (0, 2) if road.half_m[0] >= road.half_m[1] else (1, 3):
         u_m, v_m, turn_rad = road.from_side(side).local(child.place)
         length_m, width_m = road.reach_m(side)

@@ -46,6 +46,7 @@ def find_lattices(rectangles: Sequence[Rectangle]) -> list[Lattice]:
     """
     found: list[Lattice] = []
     for alike in _alike(rectangles):
+        # Members of a found row are removed, and the rest may hold another row.
         left = alike
         while len(left) >= MIN_MEMBERS:
             best = _largest([rectangles[index] for index in left])
@@ -89,6 +90,7 @@ def _largest(rectangles: Sequence[Rectangle]) -> Lattice | None:
     origin, points, is_turned = _points(rectangles)
     best: dict[int, tuple[int, int]] = {}
     for start in range(len(points)):
+        # A pitch of 0 along an axis makes a row instead of a grid.
         steps = [(*_pitches(points, start, axis), 0.0) for axis in (0, 1)]
         for pitch_m in product(*steps):
             cells = _grown(points, start, pitch_m) if any(pitch_m) else {}
@@ -120,6 +122,7 @@ def _grown(
 ) -> dict[int, tuple[int, int]]:
     """Return row and column of each point reached from one in steps, over one hole at most."""
     cells, taken, reached = {start: (0, 0)}, {(0, 0)}, [start]
+    # A hop of two steps passes over one missing member.
     jumps = [(hop, 0) for hop in (1, -1, 2, -2)] + [(0, hop) for hop in (1, -1, 2, -2)]
     # The list grows while it is walked through.
     for index in reached:
@@ -161,6 +164,7 @@ def _fitted(
         if counts[axis] > 1:
             pitch_m[axis], middle_m[axis] = np.polyfit(at, found[:, axis], 1)
     off_m = found - middle_m - (steps - (counts - 1) / 2) * pitch_m
+    # Growing allows deviations that add up; the fitted lattice must hold for all.
     if np.abs(off_m).max() > TOLERANCE_M:
         return None
     rows, columns = counts.tolist()

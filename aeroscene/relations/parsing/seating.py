@@ -82,6 +82,7 @@ def find_seats(
 def _seated(table_id: int, table: Rectangle, chairs: list[_Chair]) -> list[Seating]:
     """Return one group of all chairs that share a gap and stand evenly, and the others alone."""
     middle_m = median(chair.gap_m for chair in chairs)
+    # Chairs that are pulled out of the row are described by themselves.
     even = [chair for chair in chairs if abs(chair.gap_m - middle_m) <= fits.TOLERANCE_M]
     seats: dict[tuple[int, int], _Chair] = {}
     counts, pitch_m = [0, 0], [0.0, 0.0]

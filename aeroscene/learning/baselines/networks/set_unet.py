@@ -66,8 +66,8 @@ class SetUnet(nn.Module):
         place = self.middle(place, condition)
         for block, skip in zip(self.up, reversed(kept), strict=True):
             place = block(torch.cat([place, skip], dim=-1), condition)
-        # The input goes straight to the last layer: at high noise nearly all of the target is in
-        # it.
+        # The input goes straight to the last layer: at high noise nearly
+        # all of the target is in it.
         place = torch.cat([functional.silu(self.norm(place)), first], dim=-1)
         return Prediction(self.outward(place))
 

@@ -99,6 +99,7 @@ def places_of(coarse: Sequence[int], statistics: FlatStatistics) -> list[int]:
         coarse: Categories of the coarse objects.
         statistics: Statistics that say which categories hold fine objects.
     """
+    # A category that never holds anything needs no list, which would be only END.
     holders = [
         row for row, c in enumerate(coarse) if statistics.has_regions and statistics.holds[c]
     ]

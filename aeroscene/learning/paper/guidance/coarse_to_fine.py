@@ -42,6 +42,7 @@ def coarse_to_fine_loss(
         coarse = torch.where(holds.any(-1, keepdim=True), holds, coarse)
     offset = layout.center_enu_m[:, :, None] - layout.center_enu_m[:, None]
     away = offset.square().sum(-1).clamp(min=_LEAST_DISTANCE_M**2).sqrt()
+    # The choice of the region has no slope; the distance to it has one.
     own = away.masked_fill(~coarse[:, None], torch.inf).argmin(dim=-1)
     if layout.region is not None:
         own = torch.where(layout.region >= 0, layout.region, own)

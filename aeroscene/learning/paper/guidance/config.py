@@ -64,6 +64,7 @@ class ObjectivesCfg:
         ):
             if getattr(self, name) < 0:
                 raise DiffusionError(f"guidance.{name} is {getattr(self, name):g}, valid: from 0")
+        # Above 1 no pair would ever collide.
         if not 0 <= self.iou_tolerance < 1:
             raise DiffusionError(
                 f"guidance.iou_tolerance is {self.iou_tolerance:g}, valid: 0 to below 1"

@@ -135,8 +135,8 @@ class Objectives:
                 _shifted(layout, shift), self.cfg.semantic_step_weight
             ):
                 if term.requires_grad:
-                    # The terms share the graph of the shifted layout, so it has to outlive the
-                    # first gradient.
+                    # The terms share the graph of the shifted layout, so it has to
+                    # outlive the first gradient.
                     (gradient,) = torch.autograd.grad(term.sum(), shift, retain_graph=True)
                     found.append((name, weight, gradient))
         return found

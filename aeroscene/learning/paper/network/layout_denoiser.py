@@ -98,8 +98,8 @@ class LayoutDenoiser(nn.Module):
         if batch.given is not None and batch.x0 is not None:
             x_t = torch.where(batch.given.unsqueeze(-1), batch.x0.to(x_t), x_t)
         total = levels.total
-        # Grid, graph and embedding find boxes in the formula's clean layout, since noisy channels
-        # have none.
+        # Grid, graph and embedding find boxes in the formula's clean layout, since
+        # noisy channels have none.
         seen = self._seen(x_t, levels, batch)
         boxes = seen.boxes
         feature, token, place = self.embedding(seen, time, batch)

@@ -87,8 +87,8 @@ class TokenUnet(nn.Module):
             for b, w in zip(below, reversed(widths), strict=True)
         )
         self.norm = nn.LayerNorm(widths[0])
-        # The input also goes past the LayerNorm, which would forget its size, straight to the
-        # output.
+        # The input also goes past the LayerNorm, which would forget its
+        # size, straight to the output.
         self.outward = nn.Linear(2 * widths[0], channels)
         nn.init.zeros_(self.outward.weight)
         nn.init.zeros_(self.outward.bias)

@@ -203,6 +203,7 @@ class _Encoder:
             above, member = self.bearer[building.host_id]
             for node in nodes:
                 node.member = member
+            # Storeys are built before the units of their building.
             above.children[:0] = nodes
 
     def _view(self) -> Scene:

@@ -162,6 +162,7 @@ def _kind(record: Record, *, is_even: bool = False) -> Kind:
 def _add_borders(storey: StoreyPartition, records: list[Record], found: Cells) -> list[Node]:
     """Build the nodes of a storey's borders, each below the leaf of its room."""
     sequence = iter(records)
+    # A border belongs to the first leaf of its room, which the decoder finds again.
     rooms = first_leaves(room_numbers(storey_cells(storey)))
     borders: list[Node] = []
     for line, border in zip(storey_lines(storey), storey.borders, strict=True):

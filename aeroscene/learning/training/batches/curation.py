@@ -59,6 +59,7 @@ def fresh_example(encode: Encoder, folder: Path, number: int) -> Fresh:
     resume takes longer, but the scene is not lost.
     """
     scene = _scene(folder, number)
+    # The areas are not derived; their greatest number stands for them.
     wish = replace(Wish.of(scene), n_areas=most_landing_areas(number))
     try:
         example = encode(scene, wish)

@@ -187,8 +187,7 @@ def open_ways(unit: Unit, host: Rectangle) -> Iterator[tuple[int, Ways]]:
 def turned(unit: Unit, turns: int) -> Unit:
     """Turn a unit by quarter turns about its host.
 
-    A unit with its host's heading keeps it: a shelf in a row of shelves must not turn its back to
-    the aisle on the other side.
+    A unit with its host's heading keeps it, such as a shelf in a row of shelves.
     """
     if turns == 0:
         return unit

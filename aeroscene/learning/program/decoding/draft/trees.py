@@ -38,6 +38,7 @@ class TreeReader:
         below = self.children[place]
         kinds = self._program.kinds
         widths = [self._record(each) for each in below if kinds[each].node == "width"]
+        # Strips may name these widths only.
         self._n_widths = len(widths)
         tree = self._node(next((each for each in below if kinds[each].node in NODES), None))
         grown = Grown(self._record(place), place, [tree])

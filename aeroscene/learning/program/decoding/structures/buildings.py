@@ -122,6 +122,7 @@ def build_building(
 def _frame(values: Sequence[float], host: Rectangle) -> Frame:
     x, y, cos, sin, length, width = (0.0 if math.isnan(v) else v for v in values[:6])
     place = host.place.moved(x, y, math.atan2(sin, cos or 1.0))
+    # Sides of at least 1 m, or of the whole building if that is smaller.
     sides = (
         max(2 * half - less, min(2 * half, _LEAST_SIDE_M))
         for half, less in zip(host.half_m, (length, width), strict=True)
@@ -143,6 +144,7 @@ class _Storey:
         self._outer_m = outer_m if outer_m > _LEAST_WALL_M else 0.0
         self.least_m = self.wall_m + _ROOM_M
         self._is_inset = grown.record.is_inset
+        # Read as a site: that is a tree without borders, which are built later.
         head = Record("site", values=(*astuple(frame), level_m))
         plain = from_sequence([*self._widths, head, *grown.flat()[1:]])
         sides_m = frame.length_m, frame.width_m
@@ -187,6 +189,7 @@ class _Storey:
         found: list[Border] = []
         for line in lines:
             leaf, side, beyond = owner_of(line, first, len(rooms))
+            # Of several borders between two rooms each line takes the next one.
             drawn = known[leaf, side, beyond]
             place = drawn.pop(0) if drawn else None
             self._border_places.append(place)

@@ -56,8 +56,8 @@ def ground_plan(parts: Iterable[BuildingPart], frame: Frame) -> BaseGeometry:
     house = shapely.union_all(outlines).buffer(_SEAM_M, join_style="mitre")
     # Out and in again: narrow gaps close, and the outline stays.
     house = house.buffer(-_SEAM_M, join_style="mitre")
-    # Corners that differ by rounding would each begin a tile of their own, as narrow as the
-    # difference.
+    # Corners that differ by rounding would each begin a tile of their own, as
+    # narrow as the difference.
     return shapely.set_precision(house, _SAME_M)
 
 

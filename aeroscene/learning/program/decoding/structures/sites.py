@@ -43,6 +43,7 @@ def add_site(draft: Draft, place: int, house: DecodedBuilding | None = None) -> 
         if cover.kind != VOID and (token := tokens[cover.leaf][0]) is not None
     ]
     for token, word, box in drawn if house is None else _about(draft, house, drawn):
+        # Further pieces of one cover are children of the piece before.
         parent = draft.made[token][-1] if draft.made[token] else None
         if parent is None and not draft.program.kinds[token].is_root:
             parent = _under(draft.objects, box, word)

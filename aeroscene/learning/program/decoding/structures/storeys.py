@@ -59,6 +59,7 @@ def stacked(levels: Sequence[Level], frame: Frame, least_m: float) -> list[Node]
         below, above = trees[number - 1], trees[number]
         pairs = _pairs(_plan(below, frame), _plan(above, frame), rise_m)
         pairs += _beside(below, above, frame)
+        # First the upper floor moves to the rooms below, then their heights follow it.
         above = aligned(above, frame.length_m, frame.width_m, pairs, least_m)
         trees[number - 1] = _under(below, above, frame, rise_m)
         trees[number] = above
@@ -201,8 +202,8 @@ def _borne(
         faces = [wall[at] if outwards > 0 else wall[at + 2] for wall in beside]
         if faces:
             sides[side] = min(faces) if outwards > 0 else max(faces)
-        # A free edge, which meets no wall and no other slab, reaches half a wall's thickness
-        # further.
+        # A free edge, which meets no wall and no other slab, reaches half a
+        # wall's thickness further.
         elif not any(_is_met(outline, side, other) for other in others):
             sides[side] += outwards * edge_m
     return (sides[0], sides[1], sides[2], sides[3])

@@ -84,8 +84,8 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
     if last_m is not None:
         as_last = set(AS_LAST_AXES[kind.as_last])
         if relation.kind == Kind.SIDE and kind.category in STAIRS:
-            # Stairs are as high as their level asks, even if the other extents copy the last
-            # stairs'.
+            # Stairs are as high as their level asks, even if the other
+            # extents copy the last stairs'.
             as_last.discard(2)
         x_m, y_m, z_m = (last_m[i] if i in as_last else size_m[i] for i in range(3))
         size_m = x_m, y_m, z_m
