@@ -36,7 +36,7 @@ class RowHouses:
     """End of the houses and beginning of the back gardens, v."""
 
     def structures(self) -> Iterator[None]:
-        """The row with its roofs; then a hedge in front, fences between gardens, sheds."""
+        """Grow the row with its roofs; then a hedge in front, fences between gardens, sheds."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -97,7 +97,7 @@ class RowHouses:
             ground.erect("garage", u, ground.parcel.depth - 1.8, _SHED_M, look=look)
 
     def details(self) -> Iterator[None]:
-        """Chimneys, bins and bushes in front; tables, trees and beds behind."""
+        """Grow chimneys, bins and bushes in front; tables, trees and beds behind."""
         yield from in_turn(
             self._front(), *(self._garden(house) for house in self._houses), self._chimneys()
         )

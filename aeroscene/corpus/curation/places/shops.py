@@ -44,7 +44,7 @@ class Shops:
     """End of the shops and beginning of the yard, v."""
 
     def structures(self) -> Iterator[None]:
-        """The shops; then their awnings and roofs, a wall or a fence round the yard."""
+        """Grow the shops; then their awnings and roofs, a wall or a fence round the yard."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza", {"form": "bands"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -85,7 +85,7 @@ class Shops:
         self._awnings += [awning] if awning else []
 
     def details(self) -> Iterator[None]:
-        """Tables and goods under the awnings, boards and planters, machines on the roofs."""
+        """Grow tables and goods under the awnings, boards and planters, machines on the roofs."""
         ground, draw = self.ground, self.ground.draw
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._flat]
         uses = [

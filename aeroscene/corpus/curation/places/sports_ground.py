@@ -35,7 +35,7 @@ class SportsGround:
     _stands: tuple[Placed, ...] = ()
 
     def structures(self) -> Iterator[None]:
-        """Court and changing rooms; then platforms for spectators, the fence round the court."""
+        """Grow court and changing rooms; then platforms for spectators, and the fence."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -86,7 +86,7 @@ class SportsGround:
             yield
 
     def details(self) -> Iterator[None]:
-        """Benches along the court, lamps, bicycles, spectators' things, trees behind."""
+        """Grow benches along the court, lamps, bicycles, spectators' things, trees behind."""
         ground, draw = self.ground, self.ground.draw
         roof = iter(())
         if self._roof:

@@ -45,7 +45,7 @@ class Square:
     """End of the open square, v."""
 
     def structures(self) -> Iterator[None]:
-        """The hall; then its tower and roof, the fountain, an awning, a kiosk."""
+        """Grow the hall; then its tower and roof, the fountain, an awning, a kiosk."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza", {"form": draw.one_of(("cross", "bands", "border"))})
         side = 1 if draw.chance(0.5) else -1
@@ -102,7 +102,7 @@ class Square:
             ground.erect("tower", u, at, size, margin=0.0, look=look)
 
     def details(self) -> Iterator[None]:
-        """Trees in rows with benches between, tables under the awning, lamps, bicycles."""
+        """Grow trees in rows with benches between, tables under the awning, lamps, bicycles."""
         ground, draw = self.ground, self.ground.draw
         roof = iter(())
         if self._roof:
