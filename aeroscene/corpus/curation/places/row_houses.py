@@ -43,10 +43,12 @@ class RowHouses:
         deep = draw.between(*_DEEP_M)
         self._setback = max(0.5, min(draw.between(*_SETBACK_M), round(depth - deep - 0.5, 2)))
         self._back = round(self._setback + deep, 2)
+        # A parcel without a metre beside the houses keeps its lawn.
         if depth >= deep + 1.0:
             span = (-width / 2 + 0.6, width / 2 - 0.6)
             self._houses = raise_row(ground, span, self._setback, deep, _FRONTS, is_even=True)
         yield
+        # All roofs of a row have the same tiles.
         tiles = draw.one_of(TILES)
         for house in self._houses:
             roof = add_row_roof(ground.builder, house, tiles)
@@ -60,6 +62,7 @@ class RowHouses:
             self._lay_terrace(house)
             yield
         for index, house in enumerate(self._houses):
+            # Every other garden has a shed.
             if index % 2 == 0:
                 self._raise_shed(house)
                 yield

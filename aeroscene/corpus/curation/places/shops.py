@@ -62,6 +62,7 @@ class Shops:
         for shop in self._shops:
             if draw.chance(0.2):
                 add_row_roof(ground.builder, shop, draw.one_of(TILES))
+            # Machines need a flat roof.
             else:
                 roof = add_flat_roof(ground.builder, shop)
                 self._flat += [roof] if roof else []
@@ -89,6 +90,7 @@ class Shops:
         ground, draw = self.ground, self.ground.draw
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._flat]
         uses = [
+            # In turn a cafe and a grocer.
             self._serve(awning) if index % 2 else self._sell(awning)
             for index, awning in enumerate(self._awnings)
         ]
