@@ -31,7 +31,7 @@ class Landing:
 
 
 def landings_of(layout: Layout) -> list[Landing]:
-    """Find the level to which each flight of stairs leads; stairs that lead nowhere are left out."""
+    """Find the level to which each flight of stairs leads; stairs without one are left out."""
     found: list[Landing] = []
     for stairs in layout.rows(STAIRS):
         best = (REACH_M, -1)
