@@ -43,7 +43,7 @@ class ArchiveError(SceneError):
 
 
 class Provenance(msgspec.Struct, frozen=True, kw_only=True):
-    """Origin of the scenes of an archive."""
+    """Origin of the scenes of an archive, from which they can be made again."""
 
     generator: str
     """Name of the maker: the preset of the model, or curation."""
@@ -74,11 +74,11 @@ class ArchivedScenes:
         return "shipped scenes"
 
     def of_split(self, split: Split) -> ArchivedScenes:
-        """The scenes that stand for the paper's training scenes, or those for its test scenes."""
+        """Select the scenes that stand for the paper's training scenes, or for its test scenes."""
         return ArchivedScenes(self.place, tuple(e for e in self.entries if e.split == split))
 
     def select(self, indices: Container[int]) -> ArchivedScenes:
-        """The scenes whose numbers are among these."""
+        """Select the scenes whose numbers are among these, as far as they are there."""
         return ArchivedScenes(self.place, tuple(e for e in self.entries if e.index in indices))
 
     def read(self, entry: SceneSummary) -> Scene:

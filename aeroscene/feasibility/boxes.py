@@ -37,7 +37,14 @@ class Boxes:
         return len(self.yaw_rad)
 
     def axes_of(self, rows: Int[np.ndarray, " k"]) -> Float[np.ndarray, "k 2 2"]:
-        """Unit vectors along own x (row 0) and y (row 1) of some boxes, in the plane."""
+        """Unit vectors of some boxes in the plane.
+
+        Args:
+            rows: Rows of the boxes.
+
+        Returns:
+            For each box its own x (row 0) and y (row 1), in the world's axes.
+        """
         c, s = np.cos(self.yaw_rad[rows]), np.sin(self.yaw_rad[rows])
         axes = np.empty((len(rows), 2, 2))
         axes[:, 0, 0] = axes[:, 1, 1] = c
@@ -45,7 +52,11 @@ class Boxes:
         return axes
 
     def frame(self, row: int) -> Float[np.ndarray, "2 2"]:
-        """Unit vectors along own x and y of one box, in the plane."""
+        """Unit vectors along own x and y of one box, in the plane.
+
+        Multiplied from the left it takes world vectors into the box's frame; its transpose leads
+        back.
+        """
         c, s = math.cos(self.yaw_rad[row]), math.sin(self.yaw_rad[row])
         return np.array([[c, s], [-s, c]])
 
@@ -66,7 +77,7 @@ class Boxes:
         )
 
     def corners(self) -> Float[np.ndarray, "n 4 2"]:
-        """Corners of the footprints, counter-clockwise, m."""
+        """Corners of the footprints, counter-clockwise from own +x and +y, m."""
         axes = self.axes_of(np.arange(len(self))) * self.half_m[:, :2, None]
         x, y = axes[:, 0], axes[:, 1]
         return self.centre_m[:, None, :2] + np.stack([x + y, y - x, -x - y, x - y], axis=1)
@@ -106,8 +117,14 @@ def strangers(
 def kinship(
     parent: Int[np.ndarray, " n"], tile_group: Int[np.ndarray, " n"]
 ) -> Bool[np.ndarray, "n n"]:
-    """True for pairs of the same object, or of ancestor and descendant; a room is all its tiles."""
+    """True for pairs that may overlap: equal objects, or ancestor and descendant.
+
+    Args:
+        parent: Rows of the parents; -1 without one.
+        tile_group: Groups of tiles of one room, each of which counts for all.
+    """
     is_kin = np.eye(len(parent), dtype=bool)
+    # All ancestors, because an object in a room lies in the room's building too.
     for row in range(len(parent)):
         above = int(parent[row])
         while above >= 0:
@@ -131,6 +148,7 @@ def joined(boxes: Boxes, obstacles: Boxes | None) -> Boxes:
     n, total = len(boxes), len(boxes) + len(obstacles)
     is_kin = np.zeros((total, total), dtype=bool)
     is_kin[:n, :n] = boxes.is_kin
+    # Obstacles never get out of each other's way.
     is_kin[n:, n:] = True
     return Boxes(
         np.concatenate([boxes.centre_m, obstacles.centre_m]),
@@ -150,7 +168,11 @@ class Overlaps:
     """Shortest translation, in the plane or along the vertical, that separates each pair."""
 
     def by_box(self, n: int) -> Float[np.ndarray, " n"]:
-        """Depth of the deepest overlap of each of n boxes; 0 without one."""
+        """Depth of the deepest overlap of each of n boxes; 0 without one.
+
+        Args:
+            n: Number of boxes.
+        """
         deepest = np.zeros(n)
         for column in self.pairs.T:
             np.maximum.at(deepest, column, self.depth_m)
@@ -187,7 +209,16 @@ def forbidden_overlaps(
 def footprint_depth(
     boxes: Boxes, first: Int[np.ndarray, " k"], second: Int[np.ndarray, " k"]
 ) -> Float[np.ndarray, " k"]:
-    """Depth in m to which footprints overlap along the best separating axis; negative if apart."""
+    """Depth to which footprints overlap along the best separating axis.
+
+    Args:
+        boxes: Boxes.
+        first: Rows of the first boxes.
+        second: Rows of the second boxes.
+
+    Returns:
+        Depth in m; negative if the footprints are apart.
+    """
     return -separation(boxes, first, second)[0]
 
 
@@ -225,6 +256,7 @@ def separation(
     best = gaps.argmax(axis=1)
     k = np.arange(len(first))
     sign = np.where(along[k, best] < 0, -1.0, 1.0)
+    # From the first box to the second.
     normal = np.concatenate([own, other], axis=1)[k, best] * sign[:, None]
     return gaps[k, best], normal
 
@@ -232,6 +264,12 @@ def separation(
 def reach_along(
     boxes: Boxes, rows: Int[np.ndarray, " k"], normal: Float[np.ndarray, "k 2"]
 ) -> Float[np.ndarray, " k"]:
-    """Half the extent of footprints along normals, m."""
+    """Half the extent of footprints along normals, m.
+
+    Args:
+        boxes: Boxes.
+        rows: Rows of the footprints.
+        normal: Unit vectors in the plane, one for each.
+    """
     lean = np.abs(np.einsum("kai,ki->ka", boxes.axes_of(rows), normal))
     return np.einsum("ka,ka->k", lean, boxes.half_m[rows, :2])

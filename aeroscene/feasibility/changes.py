@@ -75,6 +75,7 @@ class Changes:
         """Cost of a metre of each change: the number of objects that it displaces."""
         carried = layout.moves_with[:, self._movable] & layout.is_left[:, None]
         is_ground = [layout.objects[row].category in GROUND for row in self._movable]
+        # Objects that are carried count with their carrier.
         moves = carried.sum(axis=0) * np.where(is_ground, _GROUND_FACTOR, 1.0)
         cuts = _CUT_COST * np.maximum(1.0, NARROW_M / self._sides())
         return np.concatenate([moves, moves, cuts, cuts])
@@ -84,13 +85,21 @@ class Changes:
         return 2 * self._began.half_m[self._movable[self._cut_of], self._cut_axis]
 
     def sizes(self, x: Float[np.ndarray, " v"]) -> Float[np.ndarray, " v"]:
-        """Size of each change; both components of a displacement count as one."""
+        """Size of each change, m; both components of a displacement count as one.
+
+        Args:
+            x: Values of the unknowns.
+        """
         m = len(self._movable)
         moved = np.hypot(x[:m], x[m : 2 * m])
         return np.concatenate([moved, moved, np.abs(x[2 * m :])])
 
     def applied(self, x: Float[np.ndarray, " v"]) -> Boxes:
-        """Boxes after some changes."""
+        """Give the boxes after some changes; the layout stays as it is.
+
+        Args:
+            x: Values of the unknowns.
+        """
         m, c = len(self._movable), len(self._cut_of)
         now = self._began.copy()
         now.centre_m[:, :2] += self.carries @ x[: 2 * m].reshape(2, m).T
@@ -124,10 +133,18 @@ class Changes:
         normal: Float[np.ndarray, "k 2"],
         sign: float = 1.0,
     ) -> None:
-        """Add to demands the room that cuts at the faces of objects towards normals give."""
+        """Add to demands the room that cuts at the faces of objects towards normals give.
+
+        Args:
+            demands: Rows of demands, changed in place.
+            rows: Rows of the objects, one for each demand.
+            normal: Unit vectors in the plane, one for each.
+            sign: -1 if a cut takes room away, as at the host of an object.
+        """
         axes = self._began.axes_of(rows)
         for axis in range(2):
             lean = np.einsum("ki,ki->k", axes[:, axis], normal)
+            # A slanted face gives its share of a cut.
             # The face that looks towards the normal.
             column = self._column[rows, np.where(lean > 0, axis, axis + 2)]
             k = np.flatnonzero(column >= 0)

@@ -32,7 +32,7 @@ _SILL_M = 0.1
 
 
 def door_air(layout: Layout) -> Boxes:
-    """The air before and behind each door of a wall, which furniture has to leave free."""
+    """Give the air before and behind each door of a wall, which furniture has to leave free."""
     return _boxes_of(list(_airs(layout).values()))
 
 
@@ -43,6 +43,7 @@ def yield_to_furniture(layout: Layout) -> None:
     less than a step.
     """
     air, n = _airs(layout), len(layout.boxes)
+    # Obstacles have the rows behind those of the objects.
     walls, obstacles = list(air), _boxes_of(list(air.values()))
     pairs = layout.overlaps(TOUCH_M, obstacles).pairs
     found = [(row, walls[other - n]) for row, other in pairs.tolist() if row < n <= other]
@@ -108,17 +109,23 @@ def air_of(
     # The air begins above thresholds and carpets.
     height_m = _LEAST_DOOR_M[1] - _SILL_M
     z = wall.p[2] - wall.s[2] / 2 + _SILL_M + height_m / 2
+    # A tenth of a metre at both sides of the door.
     return OrientedBox((x, y, z), wall.q, (2 * apron_m, float(width) + 0.2, height_m))
 
 
 def fit_openings(layout: Layout) -> None:
-    """Clamp doors and windows to the walls in their present sizes."""
+    """Clamp doors and windows to the walls in their present sizes.
+
+    A wall that is too short for its opening loses it; a door that a model drew is widened for a
+    drone.
+    """
     for row in layout.rows(WALLS):
         own = layout.objects[row].attributes
         _, length, height = (2 * layout.boxes.half_m[row]).tolist()
         fitted = dict(own)
         for name in ("door", "window"):
             _fit(fitted, name, length, height)
+        # What fits now may differ from what fitted at an earlier stage.
         layout.attributes.pop(row, None)
         if fitted != dict(own):
             layout.attributes[row] = fitted

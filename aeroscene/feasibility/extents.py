@@ -18,7 +18,10 @@ _SAME_M = 1e-3
 
 
 def fit_extent(layout: Layout) -> None:
-    """Set the sides of the flight volume, before anything is pushed back into it."""
+    """Set the sides of the flight volume, before anything is pushed back into it.
+
+    Under open sky they move out a little for ground beyond them; indoors they fit the building.
+    """
     shell = _shell(layout)
     if shell is None:
         _grow(layout)
@@ -53,6 +56,7 @@ def _grow(layout: Layout) -> None:
     if not len(corners):
         return
     low, high = (end.copy() for end in layout.extent_m)
+    # What is left to the greatest side is shared by both ends.
     spare = np.maximum(_MOST_SIDE_M - (high - low)[:2], 0.0) / 2
     most = np.minimum(_MOST_GROWTH_M, spare)
     low[:2] -= np.clip(low[:2] - corners.min(axis=0), 0.0, most)
@@ -61,7 +65,10 @@ def _grow(layout: Layout) -> None:
 
 
 def hold_all(layout: Layout) -> None:
-    """Move the sides of the flight volume out to objects still beyond them; raise the sky."""
+    """Move the sides of the flight volume out to objects still beyond them; raise the sky.
+
+    Called at the end, when no push is left that could bring them back.
+    """
     if not layout.is_left.any():
         return
     boxes, (low, high) = layout.boxes, layout.extent_m.copy()

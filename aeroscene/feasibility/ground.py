@@ -54,8 +54,18 @@ def _is_hill(layout: Layout, row: int) -> bool:
 
 
 def covered(layout: Layout, row: int, ground: int) -> float:
-    """Share of an outline that lies over ground, from a grid of 49 points."""
+    """Share of an outline that lies over ground, from a grid of 49 points.
+
+    Args:
+        layout: Layout.
+        row: Object whose outline it is.
+        ground: Row of the ground.
+
+    Returns:
+        Share, 0 to 1.
+    """
     boxes = layout.boxes
+    # Off the outline's border, where neighbours touch.
     steps = np.linspace(-0.9, 0.9, 7)
     u, v = np.meshgrid(steps, steps)
     local = np.stack([u.ravel(), v.ravel()], axis=1) * boxes.half_m[row, :2]

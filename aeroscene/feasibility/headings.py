@@ -29,6 +29,7 @@ def square_up(layout: Layout) -> None:
         if not obj.is_coarse:
             continue
         parent, host = layout.parent_of(row), int(layout.host[row])
+        # A part is made square to what carries it, and all else to most of the site.
         to_rad = site_rad if host < 0 else float(layout.boxes.yaw_rad[host])
         off_rad = math.remainder(float(layout.boxes.yaw_rad[row]) - to_rad, _QUARTER)
         # Parts of a building always, whatever the angle; all others only if slightly off and in

@@ -61,6 +61,7 @@ def set_heights(layout: Layout, rows: Int[np.ndarray, " k"]) -> None:
     Args:
         layout: Layout; changed.
         rows: Objects, each after the one that carries it, because a host's new height decides.
+    # Hosts come first, and carry their objects along.
     """
     for row in rows.tolist():
         if layout.is_pinned[row] or not layout.is_left[row]:
@@ -114,6 +115,7 @@ def _within_m(layout: Layout, row: int, parent: SceneObject) -> float:
     elif parent.category in ROOMS:
         faces_m = (low_m + FINISH_M,)
     elif parent.category in WATER:
+        # Boats float; the piers of a deck stand on the bed.
         faces_m = (low_m + DRAUGHT_M, *((low_m,) if obj.category in DECKS else ()))
     elif parent.category in BOARDED and parent.attributes.get("form") == "open":
         boards_m = shelf_boards(top_m - low_m)
@@ -137,7 +139,13 @@ def _is_sloped(obj: SceneObject) -> bool:
 
 
 def surface_m(layout: Layout, bearer: int, row: int) -> float:
-    """Height at which an object stands on a bearer: the lowest ground below its outline."""
+    """Height at which an object stands on a bearer: the lowest ground below its outline, m.
+
+    Args:
+        layout: Layout.
+        bearer: Row of the bearer.
+        row: Row of the object.
+    """
     top_m = float(layout.boxes.top_m[bearer])
     category = layout.objects[bearer].category
     if category in COVERS and layout.scene.relief is not None:
@@ -149,6 +157,7 @@ def surface_m(layout: Layout, bearer: int, row: int) -> float:
     # Upper ends of all solids of the bearer at each probe; NaN if a solid is not there.
     heights = np.stack([spans(solids, i, probes)[:, 1] for i in range(len(solids))])
     with np.errstate(invalid="ignore"):
+        # The upper end of what is highest at a probe; a probe beside all solids has none.
         highest = np.fmax.reduce(heights, axis=0)
     highest = highest[~np.isnan(highest)]
     return float(highest.min()) if len(highest) else top_m

@@ -93,6 +93,7 @@ def _best_spot(
     for ground in grounds:
         spots = _spots(layout, row, ground)
         open_m = _openness_m(layout, row, ground, spots)
+        # A far place has to be more open than a near one.
         score = open_m - _FAR * np.hypot(*(spots - here).T)
         score[open_m < FREE_RADIUS_M] = -math.inf
         if len(spots) and score.max() > best:
@@ -121,6 +122,7 @@ def _openness_m(
     is_obstacle = _structures(layout, row)
     yaw = float(boxes.yaw_rad[ground])
     open_m = np.zeros(len(spots))
+    # Too near to the border, no square of air fits into the volume.
     left = np.flatnonzero(border_m >= FREE_RADIUS_M)
     left = left[_are_free(boxes, is_obstacle, spots[left], yaw, FREE_RADIUS_M, top_m + _KERB_M)]
     open_m[left] = FREE_RADIUS_M
@@ -148,6 +150,7 @@ def _are_free(
 ) -> Bool[np.ndarray, " k"]:
     """Return true for spots above which nothing extends into the squares of air."""
     high = np.flatnonzero(is_obstacle & (boxes.top_m > base_m))
+    # Circles leave few pairs for the exact test.
     reach = np.hypot(boxes.half_m[high, 0], boxes.half_m[high, 1]) + math.sqrt(2) * radius_m
     offset = boxes.centre_m[high, :2] - spots[:, None]
     spot, near = np.nonzero(np.hypot(offset[..., 0], offset[..., 1]) < reach)
@@ -172,13 +175,18 @@ def _squares(
 
 
 def start_air(layout: Layout) -> Boxes:
-    """Box of air that stays free above the start of a scene without a pad."""
+    """Give the box of air that stays free above the start of a scene without a pad."""
     x, y, z = layout.scene.start_position_enu_m
     return _squares(np.array([[x, y]]), 0.0, _START_RADIUS_M, z + _KERB_M, z + _FREE_HEIGHT_M)
 
 
 def home_air(layout: Layout, row: int) -> Boxes:
-    """Boxes of air about the pad that stay free."""
+    """Give the boxes of air about the pad that stay free.
+
+    Args:
+        layout: Layout.
+        row: Row of the pad.
+    """
     boxes, host = layout.boxes, int(layout.host[row])
     spot, top_m, yaw = boxes.centre_m[row, :2], float(boxes.top_m[row]), float(boxes.yaw_rad[row])
     if layout.scene.domain == "indoor" and host >= 0:

@@ -34,6 +34,7 @@ def dissolve(layout: Layout, row: int) -> None:
             layout.drop(child)
         else:
             layout.adopt(child, ground)
+    # Roots stand on it without being its children.
     layout.host[(layout.host == row) & layout.is_left] = -1
     layout.relink()
 
@@ -79,7 +80,15 @@ def _ground_below(layout: Layout, row: int, host: int) -> int:
 
 
 def other_hosts(layout: Layout, row: int) -> list[int]:
-    """Other possible hosts of an object, nearest first; -1 is the bare earth."""
+    """List other possible hosts of an object, nearest first.
+
+    Args:
+        layout: Layout.
+        row: Row of the object.
+
+    Returns:
+        Rows of surfaces of the same kind that are wide enough; -1 is the bare earth.
+    """
     if layout.objects[row].category in COVERS | BUILDING_PARTS:
         return []
     boxes, host = layout.boxes, int(layout.host[row])
@@ -90,6 +99,7 @@ def other_hosts(layout: Layout, row: int) -> list[int]:
     is_wide = [boxes.half_m[h, :2].min() >= size for h in like]
     order = [like[k] for k in np.argsort(far, kind="stable").tolist() if is_wide[k]]
     order = [h for h in order if not layout.moves_with[h, row] and h != host]
+    # Only coarse objects may stand on the bare earth.
     is_outside = host >= 0 and layout.objects[host].category in BEARING
     is_outside &= layout.objects[row].is_coarse
     return [*order[:_MOST_HOSTS], *([-1] if is_outside else [])]

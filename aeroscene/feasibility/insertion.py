@@ -1,8 +1,7 @@
 """New objects in a region of a scene that stays as it is: they find room, or they go.
 
 `aeroscene generate --redo SCENE --region ...` must not touch anything outside of the region.
-Everything
-given is therefore pinned, and a new object that conflicts with it is moved or dropped.
+Everything given is therefore pinned, and a new object that conflicts with it is moved or dropped.
 """
 
 from __future__ import annotations
@@ -87,7 +86,11 @@ def _drop_unsound(layout: Layout, region: Region) -> None:
 
 
 def unsound(scene: Scene) -> set[int]:
-    """Ids of objects that overlap earlier ones, float, or extend outside."""
+    """Ids of objects that overlap earlier ones, float, or extend outside.
+
+    Args:
+        scene: Scene; its areas do not matter.
+    """
     solids = colliding(scene_primitives(scene))
     findings = [*overlaps(scene), *outside(scene), *floating(scene, solids)]
     return {finding.object_id for finding in findings if finding.object_id is not None}
@@ -102,6 +105,7 @@ def _with_areas(scene: Scene, given: Scene, region: Region) -> tuple[Scene, str 
     n_free = Counter(map(_class_of, given.interaction_areas)) - Counter(map(_class_of, outer))
     there = {obj.id for obj in scene.objects} | {None}
     kept = [area for area in outer if area.object_id in there]
+    # Numbers of areas that are gone are not used again.
     first_id = max((area.id for area in given.interaction_areas), default=-1) + 1
     inner = _inner_areas(scene, primitives, field, region, n_free)
     areas = (*kept, *(replace(area, id=first_id + n) for n, area in enumerate(inner)))

@@ -91,7 +91,7 @@ class Layout:
         return [row for row in left if self.objects[row].category in categories]
 
     def parent_of(self, row: int) -> SceneObject | None:
-        """Parent of an object; None without one."""
+        """Parent of an object before any change; None without one."""
         above = int(self.boxes.parent[row])
         return None if above < 0 else self.objects[above]
 
@@ -100,11 +100,16 @@ class Layout:
         host = int(self.host[row])
         if self.objects[row].category not in FLOORS or host < 0:
             return False
+        # Beyond the outline on one of both axes.
         offset = self.boxes.centre_m[row, :2] - self.boxes.centre_m[host, :2]
         return bool((np.abs(self.boxes.frame(host) @ offset) > self.boxes.half_m[host, :2]).any())
 
     def chain(self, row: int) -> list[int]:
-        """An object and all that it moves with, upwards."""
+        """An object and all that it moves with, upwards.
+
+        Args:
+            row: Row of the object, which comes first.
+        """
         found = [row]
         while self.host[found[-1]] >= 0:
             found.append(int(self.host[found[-1]]))
@@ -142,7 +147,11 @@ class Layout:
                 self.moves_with[row, self.table[row]] = True
 
     def carried(self, row: int) -> Int[np.ndarray, " k"]:
-        """Rows of an object and all that moves with it, in order."""
+        """Rows of an object and all that moves with it, in order.
+
+        Args:
+            row: Row of the object.
+        """
         return np.flatnonzero(self.moves_with[:, row])
 
     def shift(self, row: int, offset_m: Float[np.ndarray, " 3"]) -> None:
@@ -173,6 +182,7 @@ class Layout:
         """Rows of an object and its descendants."""
         parent = self.boxes.parent
         found = {row}
+        # Rows have no order by generations, so that levels are added until none is new.
         growing = True
         while growing:
             below = set(np.flatnonzero(np.isin(parent, list(found))).tolist()) - found
@@ -181,14 +191,24 @@ class Layout:
         return np.array(sorted(found), dtype=int)
 
     def drop(self, row: int) -> None:
-        """Take an object out with all its descendants; objects that merely stand on it stay."""
+        """Take an object out with all its descendants.
+
+        Objects that merely stand on it stay, and have the bare earth as their host.
+
+        Args:
+            row: Row of the object.
+        """
         gone = self.family(row)
         self.is_left[gone] = False
         self.host[np.isin(self.host, gone) & self.is_left] = -1
         self.relink()
 
     def box(self, row: int) -> OrientedBox:
-        """Box of an object, rounded as documents are; the original one if nothing has changed."""
+        """Box of an object, rounded as documents are; the original one if nothing has changed.
+
+        Args:
+            row: Row of the object.
+        """
         old = self.objects[row].bbox
         x, y, z = (round(v, _DIGITS) for v in self.boxes.centre_m[row].tolist())
         a, b, c = (round(2 * v, _DIGITS) for v in self.boxes.half_m[row].tolist())

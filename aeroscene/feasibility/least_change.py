@@ -23,8 +23,8 @@ from jaxtyping import Float, Int
 
 from autonomy.jit import kernel
 
-COMPLIANCE = 2e-4
-_TOLERANCE_M = 5e-5
+COMPLIANCE = 2e-4  # a row may stay short by this for each metre of its multiplier
+_TOLERANCE_M = 5e-5  # changes of a sweep below this end the search
 
 
 def least_change(
@@ -45,6 +45,7 @@ def least_change(
         Changes x. Rows that contradict others may stay short.
     """
     rows, columns = np.nonzero(demands)
+    # Rows in compressed form: their entries lie one after another.
     first = np.searchsorted(rows, np.arange(len(demands) + 1))
     return ascend(first, columns, demands[rows, columns], bounds, 1.0 / weights, sweeps)
 

@@ -31,6 +31,7 @@ def merge_walls(layout: Layout) -> None:
     """Keep the longest of all walls of a building that run beside each other."""
     half = layout.boxes.half_m
     walls = [row for row in range(len(half)) if layout.is_left[row] and _is_partition(layout, row)]
+    # The longest first, so that each wall meets those that give way to no other.
     walls.sort(key=lambda row: -float(half[row, 1]))
     for place, longer in enumerate(walls):
         for other in walls[place + 1 :]:
@@ -73,6 +74,7 @@ def _give_way(layout: Layout, longer: int, other: int, away: Float[np.ndarray, "
     if left_m < least_m(layout.objects[other])[1]:
         layout.drop(other)
         return
+    # In line with the longer wall, or on its own line if that is too far away.
     wanted = np.array(
         [0.0 if abs(across) < _IN_LINE_M else across, np.copysign(end_m + left_m / 2, along)]
     )

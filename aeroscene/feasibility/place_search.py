@@ -55,6 +55,7 @@ def nearest_free(
     radius = 0.0
     while radius <= reach_m:
         for turn in range(2):
+            # A turn costs as much as a shift of that length, so that it is tried later.
             ring = radius - turn * swing_m
             if ring < 0.0:
                 continue
@@ -74,7 +75,16 @@ def first_free(
     taken: Blocks,
     shifts_m: Float[np.ndarray, "s 2"],
 ) -> int:
-    """Number of the first shift by which a group overlaps no taken box; -1 without one."""
+    """Find the first shift by which a group overlaps no taken box.
+
+    Args:
+        group: Boxes that move together.
+        taken: Boxes that must not be overlapped.
+        shifts_m: Shifts along x and y, in the order in which they are tried.
+
+    Returns:
+        Number of the shift; -1 if none is free.
+    """
     for number in range(len(shifts_m)):
         if _is_apart(group, taken, shifts_m[number, 0], shifts_m[number, 1]):
             return number
@@ -109,6 +119,7 @@ def _is_free(
     is_first = True
     for block in group:
         dx, dy = block.x_m - x0, block.y_m - y0
+        # About the first box; a half turn would change nothing of an outline.
         c, s = block.cos, block.sin
         if turn == 1:
             dx, dy = -dy, dx

@@ -103,7 +103,15 @@ def _swing_m(layout: Layout, row: int) -> float:
 
 
 def move_to(layout: Layout, row: int, place: Place) -> None:
-    """Move an object with all it carries to a place; another host becomes its parent."""
+    """Move an object with all it carries to a place; another host becomes its parent.
+
+    Coarse roots stay roots, and stand on other ground.
+
+    Args:
+        layout: Layout; changed.
+        row: Row of the object.
+        place: Place of `find_place`.
+    """
     if place.quarters:
         layout.turn(row, place.quarters * _QUARTER)
     rise_m = 0.0
@@ -117,7 +125,13 @@ def move_to(layout: Layout, row: int, place: Place) -> None:
 
 
 def floor_m(layout: Layout, row: int, host: int) -> float:
-    """Height on which an object stands on a host, the bare earth included, m."""
+    """Height on which an object stands on a host, the bare earth included, m.
+
+    Args:
+        layout: Layout.
+        row: Row of the object.
+        host: Row of the host; -1 for the bare earth, at height 0.
+    """
     if host < 0:
         return 0.0
     if layout.objects[host].category in ROOMS:
@@ -147,6 +161,7 @@ def _region(layout: Layout, row: int, host: int) -> tuple[Float[np.ndarray, " 6"
     yaw = float(boxes.yaw_rad[host])
     middle, half = _floor(layout, host)
     region = np.array([*middle, *(half - (kept or 0.0)), math.cos(yaw), math.sin(yaw)])
+    # The whole host lies within that distance.
     away_m = float(np.hypot(*(middle - boxes.centre_m[row, :2])))
     return region, away_m + float(np.hypot(*half))
 

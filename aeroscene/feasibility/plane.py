@@ -87,6 +87,7 @@ class PlaneProblem:
         """Change the layout's boxes by the least that separates them."""
         if not len(self._movable):
             return
+        # Demands on borders and cuts do not change from problem to problem.
         fixed = [self._within_hosts(), self._within_extent(), self._changes.cut_limits()]
         for _ in range(_ROUNDS):
             now = self._changes.applied(self._x)
@@ -104,6 +105,7 @@ class PlaneProblem:
         boxes.centre_m[:], boxes.half_m[:] = now.centre_m[: len(boxes)], now.half_m[: len(boxes)]
 
     def _weights(self) -> Float[np.ndarray, " v"]:
+        # Divided by the change so far: see above.
         sizes = self._changes.sizes(self._x)
         return self._changes.costs / np.maximum(sizes, _LEAST_CHANGE_M)
 
@@ -210,6 +212,7 @@ class PlaneProblem:
                 room = sign * (border - boxes.centre_m[rows, axis])
                 room -= reach_along(boxes, rows, normal)
                 near = room < _BORDER_M
+                # Rows far from this side cannot reach it, and would only slow the problem down.
                 rows, normal, room = rows[near], normal[near], room[near]
                 demand = -self._changes.shifts(rows, normal)
                 self._changes.add_cuts(demand, rows, normal)

@@ -37,7 +37,11 @@ class Region:
         return shapely.box(*self.low_enu_m[:2], *self.high_enu_m[:2])
 
     def holds(self, point_enu_m: Vector3) -> bool:
-        """Return true if a point lies within, border included."""
+        """Return true if a point lies within, border included.
+
+        Args:
+            point_enu_m: Point.
+        """
         corners = zip(self.low_enu_m, point_enu_m, self.high_enu_m, strict=True)
         return all(low <= value <= high for low, value, high in corners)
 

@@ -33,7 +33,11 @@ _PARAPET_M = 0.25
 
 
 def cuttable(obj: SceneObject) -> tuple[bool, bool]:
-    """True if an object may become shorter along its own x, and along its own y."""
+    """True if an object may become shorter along its own x, and along its own y.
+
+    Args:
+        obj: Object; its category decides.
+    """
     is_area = obj.category in GROUND | ROOMS | FLOORS | DECKS | ROOFS
     # Walls and fences are thin along x; only their length may be cut.
     return is_area, is_area or obj.category in WALLS | FENCES
@@ -46,7 +50,10 @@ def least_m(obj: SceneObject) -> tuple[float, float]:
 
 
 def is_chained(obj: SceneObject, parent: SceneObject) -> bool:
-    """Return true if an object continues its parent instead of lying on it."""
+    """Return true if an object continues its parent instead of lying on it.
+
+    Pieces of a bent street do so: each is the child of the piece before it.
+    """
     return obj.category in STRIPS and obj.category_id == parent.category_id
 
 

@@ -60,6 +60,7 @@ def turns_to_tables(
         off_rad = math.atan2(way[1], way[0]) - float(boxes.yaw_rad[chair])
         off_rad = math.remainder(off_rad, math.tau)
         if abs(off_rad) > OFF_RAD:
+            # Chairs are turned by quarters, so that they stay square to the table.
             found.append((chair, round(off_rad / _QUARTER) * _QUARTER))
     return found
 

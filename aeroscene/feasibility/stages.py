@@ -55,7 +55,11 @@ def project(layout: Layout) -> None:
 
 
 def project_beside(layout: Layout) -> None:
-    """Find room beside pinned objects for all others; those without room are dropped."""
+    """Find room beside pinned objects for all others; those without room are dropped.
+
+    Args:
+        layout: Layout with pinned objects; changed.
+    """
     find_ground(layout)
     set_heights(layout, _downwards(layout))
     PlaneProblem(layout, _leave_home(layout), _air(layout)).solve()
@@ -218,6 +222,7 @@ def _floating(layout: Layout) -> list[int]:
 def _downwards(layout: Layout) -> Int[np.ndarray, " n"]:
     """All rows, each after the object that carries it, and a chair after its table."""
     depth = np.array([len(layout.chain(i)) for i in range(len(layout.host))])
+    # By generations; a chair has the same depth as its table.
     return np.lexsort((layout.table >= 0, depth))
 
 

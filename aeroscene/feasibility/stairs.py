@@ -31,7 +31,7 @@ class Landing:
 
 
 def landings_of(layout: Layout) -> list[Landing]:
-    """The level to which each flight of stairs leads; stairs that lead nowhere are left out."""
+    """Find the level to which each flight of stairs leads; stairs without one are left out."""
     found: list[Landing] = []
     for stairs in layout.rows(STAIRS):
         best = (REACH_M, -1)
@@ -43,7 +43,12 @@ def landings_of(layout: Layout) -> list[Landing]:
 
 
 def follow_levels(layout: Layout, landings: list[Landing]) -> None:
-    """Move stairs with all that they carry to the present place of their level."""
+    """Move stairs with all that they carry to the present place of their level.
+
+    Args:
+        layout: Layout; changed.
+        landings: Landings before the levels moved.
+    """
     boxes = layout.boxes
     for each in landings:
         if not (layout.is_left[each.stairs] and layout.is_left[each.level]):
@@ -56,7 +61,12 @@ def follow_levels(layout: Layout, landings: list[Landing]) -> None:
 
 
 def drop_lost(layout: Layout, landings: list[Landing]) -> None:
-    """Drop stairs that led somewhere and no longer do."""
+    """Drop stairs that led somewhere and no longer do.
+
+    Args:
+        layout: Layout; changed.
+        landings: Landings before the projection.
+    """
     leading = {each.stairs for each in landings_of(layout)}
     for each in landings:
         if layout.is_left[each.stairs] and each.stairs not in leading:

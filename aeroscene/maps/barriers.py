@@ -77,9 +77,11 @@ def _lines(site: Site, feature: Feature, opening: BaseGeometry) -> Iterator[shap
     if shapely.get_dimensions(shape) == 2:
         # An area that is a barrier, such as a hedge round a garden, stands along its outline.
         shape = shapely.boundary(shape)
+    # Half a metre off the border, so that no piece reaches beyond it.
     inside = shapely.buffer(site.place.area, -0.5, join_style="mitre")
     line = shapely.intersection(shapely.simplify(shape, 0.15), inside)
     line = shapely.difference(line, opening)
+    # Only the pieces nearby, because a union of all buildings would be slow.
     near = [shapely.buffer(s, _CLEAR_M) for s in site.buildings.pieces_near(line)]
     line = shapely.difference(line, shapely.union_all(near)) if near else line
     for part in shapely.get_parts(line):
@@ -95,6 +97,7 @@ def _raise(site: Site, feature: Feature, line: shapely.LineString) -> None:
     height_m = length_m(tags, "height", 0.3, 12.0) or usual_m
     thick_m = length_m(tags, "width", 0.05, 2.0) or thick_m
     corners = [(x, y) for x, y in shapely.get_coordinates(line).tolist()]
+    # Straight pieces between corners become boxes of their own.
     for start, end in pairwise(corners):
         for a, b, ground in _pieces(site, start, end):
             # Shorter by half a thickness, so that neighbouring pieces do not overlap in corners.

@@ -58,7 +58,11 @@ class Bounds:
         return (self.west, self.south, self.east, self.north)
 
     def grown(self, margin_m: float) -> Bounds:
-        """The same rectangle with a margin on all sides, m."""
+        """The same rectangle with a margin on all sides.
+
+        Args:
+            margin_m: Width of the margin, m; a negative one shrinks the rectangle.
+        """
         north_m, east_m = metres_per_degree(self.latitude_deg, ALTITUDE_M)
         x, y = margin_m / east_m, margin_m / north_m
         return Bounds(self.west - x, self.south - y, self.east + x, self.north + y)
@@ -117,7 +121,13 @@ def require_size(bounds: Bounds, subject: str) -> None:
 
 
 def middle_of(bounds: Bounds, side_m: float = 200.0) -> Bounds:
-    """A square in the middle of some bounds, rounded to five decimals."""
+    """A square in the middle of some bounds, rounded to five decimals, which are about a metre.
+
+    Args:
+        bounds: Bounds.
+        side_m: Length of its sides, m.
+    """
+    # Bounds of no size, which grow to all sides.
     point = Bounds(*(2 * (bounds.longitude_deg, bounds.latitude_deg)))
     grown = point.grown(side_m / 2)
     return Bounds(*(round(value, 5) for value in grown.values))

@@ -128,6 +128,7 @@ class Heights(TypedDict):
 
 def is_building(tags: Tags) -> bool:
     """Return true if tags describe a building, or a part of one, above the ground."""
+    # A negative layer lies below the ground.
     kinds = [tags.get(key, "no") for key in ("building", "building:part")]
     is_below = tags.get("location") == "underground" or (number(tags, "layer", -9, 9) or 0) < 0
     return any(kind not in _NO for kind in kinds) and not is_below
@@ -144,7 +145,14 @@ def _kind(tags: Tags) -> str:
 
 
 def category(tags: Tags) -> str | None:
-    """Our category for the building's use; None if its size decides."""
+    """Find our category for the building's use.
+
+    Args:
+        tags: Tags of the building.
+
+    Returns:
+        Category; None if the building's size decides, as it does for houses and blocks of flats.
+    """
     kind = _kind(tags)
     return next((ours for ours, kinds in _CATEGORIES.items() if kind in kinds), None)
 
@@ -209,17 +217,19 @@ def _roof(tags: Tags, polygon: shapely.Polygon) -> RoofForm:
 def _rise_m(tags: Tags, polygon: shapely.Polygon, roof: RoofForm) -> float:
     """Height of the roof above the walls, m."""
     if roof == "flat":
-        # A stated height before an angle, an angle before a number of levels.
         return 0.0
+    # A stated height counts before an angle, and an angle before a number of levels.
     stated = length_m(tags, "roof:height", 0.1, 60.0)
     levels = number(tags, "roof:levels", 0.5, 10)
     short_m = _short_side_m(polygon)
     angle_deg = number(tags, "roof:angle", 1.0, 80.0)
     if stated is None and angle_deg is not None:
+        # A shed roof rises over the whole side, the others from both sides to the middle.
         reach_m = short_m if roof == "shed" else short_m / 2
         stated = min(60.0, reach_m * math.tan(math.radians(angle_deg)))
     if stated is None and levels is not None:
         stated = STOREY_M * levels
+    # At least 0.4 m, so that a pitched roof shows.
     share, most_m = _RISES[roof]
     return round(max(0.4, min(share * short_m, most_m) if stated is None else stated), 2)
 

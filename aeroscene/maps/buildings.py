@@ -108,6 +108,7 @@ def _cut_blocks(
 
 def _with_guesses(site: Site, blocks: list[Block]) -> list[Block]:
     """Give buildings of unknown height the median of the known ones of their kind."""
+    # Only bodies on the ground: parts begin at heights of their own.
     known = [b.eaves_m for b in blocks if b.has_known_height and b.bottom_m == 0]
     n_guessed = sum(not block.has_known_height for block in blocks)
     if n_guessed:
@@ -183,6 +184,7 @@ def _bearer(block: Block, others: Sequence[Block]) -> Block | None:
 def _raise(site: Site, block: Block, parent: int | None, *, is_built_on: bool) -> int:
     """Add the body and the roof of a block; returns the body's number."""
     base_m = _ground_m(site)
+    # Only bodies on the ground take it; streets may pass below others.
     if block.bottom_m <= 0:
         site.buildings.add(block.polygon)
         site.ground.add(block.polygon)
@@ -230,6 +232,7 @@ def _body_attributes(block: Block, body: Framed) -> Attributes:
 
 def _colour(block: Block) -> str:
     """Colour of the walls: the map's, or one that follows from the building's id."""
+    # Brick is twice as likely as each colour.
     drawn = (*WALL_COLOURS, "brick", "brick")
     ours = drawn[crc32(block.feature.source_id.encode()) % len(drawn)]
     return wall_colour(block.feature.tags) or ours

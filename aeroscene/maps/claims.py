@@ -25,7 +25,12 @@ _MOST_CORNERS = 300
 
 
 def areal_parts(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
-    """The polygons of a shape that have at least some area, m2."""
+    """Yield the polygons of a shape that have at least some area.
+
+    Args:
+        shape: Shape, m.
+        least_m2: Area below which a polygon is left out.
+    """
     for part in shapely.get_parts(shape):
         if isinstance(part, shapely.Polygon) and part.area >= least_m2:
             yield part
@@ -38,7 +43,15 @@ def areal(shape: BaseGeometry) -> BaseGeometry:
 
 
 def opened(shape: BaseGeometry, half_width_m: float = _THIN_M) -> BaseGeometry:
-    """A shape without slivers and spikes that are narrower than twice a length."""
+    """Remove slivers and spikes from a shape.
+
+    Args:
+        shape: Shape, m.
+        half_width_m: Half the width below which a part is removed.
+
+    Returns:
+        The shape; its corners stay sharp, except acute ones.
+    """
     # Shrinking removes narrow parts, growing restores the rest.
     inner = shapely.buffer(shape, -half_width_m, join_style="mitre")
     return shapely.buffer(inner, half_width_m, join_style="mitre", mitre_limit=3.0)
@@ -60,6 +73,7 @@ def split(shape: BaseGeometry, least_m2: float) -> Iterator[shapely.Polygon]:
         x0, y0, x1, y1 = part.bounds
         side = max(x1 - x0, y1 - y0)
         n_corners = shapely.get_num_coordinates(part)
+        # A piece of less than a metre is never halved, so that the recursion ends.
         if (side <= _MOST_SIDE_M and n_corners <= _MOST_CORNERS) or side < 1.0:
             yield part
             continue
@@ -81,7 +95,7 @@ class Claims:
         self._bounds: list[tuple[float, ...]] = []
 
     def pieces_near(self, shape: BaseGeometry) -> list[BaseGeometry]:
-        """The pieces whose bounds meet those of a shape."""
+        """Find the pieces whose bounds meet those of a shape."""
         if not self._bounds or shape.is_empty:
             return []
         x0, y0, x1, y1 = shape.bounds
@@ -90,7 +104,11 @@ class Claims:
         return [self.shapes[k] for k in np.flatnonzero(is_near)]
 
     def left_of(self, shape: BaseGeometry) -> BaseGeometry:
-        """The part of a shape that nobody has claimed."""
+        """Return the part of a shape that nobody has claimed.
+
+        Args:
+            shape: Shape, m.
+        """
         near = self.pieces_near(shape)
         # Most shapes meet nothing, and the union below is slow.
         if not near or not shapely.intersects(near, shape).any():
@@ -99,7 +117,7 @@ class Claims:
         return areal(shapely.difference(areal(shape), areal(taken), grid_size=GRID_M))
 
     def add(self, shape: BaseGeometry) -> None:
-        """Claim a shape."""
+        """Claim a shape, whether or not others have claimed parts of it."""
         if not shape.is_empty:
             self.shapes.append(shape)
             self._bounds.append(shape.bounds)

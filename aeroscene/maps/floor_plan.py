@@ -78,6 +78,7 @@ def _from_geojson(path: Path) -> tuple[NeutralLayout, tuple[float, float]]:
         reason = (error.strerror or str(error)).lower()
         raise MapError(f"{where} cannot be read ({reason}); valid: a floor plan") from None
     features = _of_lowest_storey(raw.features)
+    # Furniture and other features are left out.
     rooms = [f for f in features if _is_room(f)]
     if not rooms:
         raise MapError(f"{where} has no rooms; valid: polygons with indoor=room or room=USE")
@@ -124,6 +125,7 @@ def _name(feature: Feature) -> str:
 def _of_lowest_storey(features: Sequence[Feature]) -> list[Feature]:
     """Features of the lowest storey from the ground up; those without a storey are on each."""
     levels = {level for f in features if (level := number(f.tags, "level", -20, 200)) is not None}
+    # A map of cellars alone gives the uppermost of them.
     lowest = min((level for level in levels if level >= 0), default=max(levels, default=0.0))
     return [f for f in features if number(f.tags, "level", -20, 200) in {None, lowest}]
 

@@ -133,6 +133,7 @@ def make_place(place: Place, scene_id: str) -> tuple[Scene, MapReport]:
         MapError: If nothing of it could be used, it has too many objects, or no place to start.
     """
     site = Site(place, Assembly(scene_id))
+    # What was lost while the file was read counts too.
     site.dropped.update(place.dropped)
     _build(site)
     if len(site.assembly.objects) > MOST_OBJECTS:

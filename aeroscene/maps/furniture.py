@@ -62,6 +62,7 @@ def _place(site: Site, feature: Feature, kind: PointKind, ways: shapely.STRtree)
         moved.y - kind.foot_x_m * math.sin(yaw),
     )
     box = upright_box(middle, yaw, size, ground.top_m)
+    # The turned box decides, not the point.
     outline = shapely.convex_hull(shapely.MultiPoint(box.corners()[:, :2]))
     if not site.place.area.covers(outline):
         site.dropped[_AT_BORDER] += 1
@@ -85,6 +86,7 @@ def _off_the_street(site: Site, point: shapely.Point) -> shapely.Point | None:
     for piece in site.carriageways.pieces_near(point):
         if not shapely.intersects(piece, point):
             continue
+        # Off the kerb by `_ASIDE_M` at the nearest place.
         edge = shapely.boundary(shapely.buffer(piece, _ASIDE_M, quad_segs=2))
         at = shapely.Point(shapely.get_coordinates(shapely.shortest_line(edge, point))[0])
         return at if at.distance(point) <= _FARTHEST_ASIDE_M else None

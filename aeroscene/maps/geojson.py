@@ -80,6 +80,7 @@ def _features(entry: object, number: int, dropped: Counter[str]) -> Iterator[Fea
         raise MapError(f"features[{number}] is {shown(entry)}; valid: a JSON object")
     properties = entry.get("properties")
     properties = properties if isinstance(properties, dict) else {}
+    # osmtogeojson writes `@id`; other programs have an id of GeoJSON, or none.
     name = properties.get("@id", entry.get("id"))
     source_id = f"feature/{number}" if name is None else str(name)[:80]
     shapes = list(_shapes(entry.get("geometry"), f"features[{number}].geometry", dropped))
@@ -101,6 +102,7 @@ def _tags(properties: Mapping[str, Any], *, is_area: bool) -> dict[str, str]:
     }
     if is_area and "building" not in tags and "building:part" not in tags:
         named = next((key for key in tags if _HEIGHT.fullmatch(key.lower())), None)
+        # Trees and fences have heights, too.
         if named is not None and not {"natural", "barrier", "highway", "man_made"} & tags.keys():
             tags = {**tags, "building": "yes", "height": tags[named]}
     return tags

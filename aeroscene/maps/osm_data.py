@@ -57,7 +57,7 @@ class OsmData:
     n_tags: int = 0
 
     def add_node(self, number: int, longitude: float, latitude: float) -> None:
-        """Add a node.
+        """Add a node to the file's elements.
 
         Args:
             number: Id of the node.

@@ -95,6 +95,7 @@ def _areas(data: OsmData, dropped: Counter[str]) -> Iterator[Feature]:
         is_whole = True
         for way, role in _members(data, relation):
             is_whole &= way is not None
+            # Ways that reach beyond the file have lost nodes; what is left of them is kept.
             line = [] if way is None else _line(data, way)
             if len(line) >= 2:
                 rings["inner" if role == "inner" else "outer"].append(shapely.LineString(line))
@@ -124,5 +125,6 @@ def _assembled(outer: Sequence[BaseGeometry], inner: Sequence[BaseGeometry]) -> 
 
 def _filled(lines: Sequence[BaseGeometry]) -> BaseGeometry:
     found = shapely.get_parts(shapely.polygonize(lines))
+    # Without holes: inner rings are cut out afterwards.
     rings = [shapely.Polygon(polygon.exterior) for polygon in found]
     return shapely.union_all(rings) if rings else shapely.Polygon()

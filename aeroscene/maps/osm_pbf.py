@@ -74,6 +74,7 @@ def _touching(
                 inside.add(obj.id)
         elif obj.is_way():
             if any(node.ref in inside for node in obj.nodes):
+                # A relation follows its ways in the file, so that they are known.
                 ways.add(obj.id)
         elif obj.tags.get("type") in _AREAS and any(
             m.type == "w" and m.ref in ways for m in obj.members

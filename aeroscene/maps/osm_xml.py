@@ -35,6 +35,7 @@ def read_osm_xml(pieces: Iterator[bytes], where: str) -> OsmData:
     """
     reader = _Reader()
     try:
+        # False: more pieces follow.
         for piece in pieces:
             reader.parser.Parse(piece, False)
         reader.parser.Parse(b"", True)

@@ -46,6 +46,7 @@ def locate(raw: RawMap, bounds: Bounds) -> Place:
     north_m, east_m = metres_per_degree(bounds.latitude_deg, ALTITUDE_M)
     origin = np.array([bounds.longitude_deg, bounds.latitude_deg])
     scale = np.array([east_m, north_m])
+    # Centimetres, because the border becomes the scene's extent.
     corners = (np.array([bounds.values[:2], bounds.values[2:]]) - origin) * scale
     area = shapely.box(*np.round(corners.ravel(), 2).tolist())
     reach = shapely.box(*bounds.grown(_REACH_M).values)
@@ -81,6 +82,7 @@ def _cut(shape: BaseGeometry, area: shapely.Polygon, dropped: Counter[str]) -> B
             dropped[_BROKEN] += 1
             return None
     rectangle = (
+        # Areas end at the border. Lines reach beyond it, because their width is added later.
         area
         if shapely.get_dimensions(shape) != 1
         else shapely.buffer(area, _REACH_M, join_style="mitre")

@@ -47,6 +47,7 @@ def _read(path: Path, where: str, bounds: Bounds | None) -> RawMap:
         if path.name.endswith(".pbf"):
             near = None if bounds is None else bounds.grown(_NEAR_M)
             return features_of(read_osm_pbf(path, where, near))
+        # The last two suffixes, so that ".osm.gz" and ".osm.xml" count too.
         if ".osm" in path.suffixes[-2:]:
             return features_of(read_osm_xml(pieces(path, MOST_OSM_BYTES), where))
         return read_geojson(read_bounded(path, MOST_GEOJSON_BYTES), where)

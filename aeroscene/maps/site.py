@@ -59,7 +59,7 @@ class Site:
     """Number of facts that the map lacks and that were assumed, under a sentence."""
 
     def within(self, shape: BaseGeometry) -> BaseGeometry:
-        """The part of an area inside the bounds, its corners on the grid."""
+        """Return the part of an area inside the bounds, its corners on the grid."""
         return areal(shapely.intersection(areal(shape), self.place.area, grid_size=GRID_M))
 
     def cover_at(self, x_m: float, y_m: float) -> Cover:
@@ -117,7 +117,10 @@ class Framed:
 
     @property
     def is_rectangle(self) -> bool:
-        """True if the polygon is the box seen from above, within some centimetres."""
+        """True if the polygon is the box seen from above, within some centimetres.
+
+        Such an object needs no outline of its own.
+        """
         x, y, _ = self.box.s
         if self.outline.area < _RECTANGLE_SHARE * x * y:
             return False
@@ -163,7 +166,14 @@ def _upwards(length_m: float) -> float:
 
 
 def long_axis_rad(shape: BaseGeometry) -> float:
-    """Direction of the longer side of the smallest rectangle around a shape, rad."""
+    """Direction of the longer side of the smallest rectangle around a shape.
+
+    Args:
+        shape: Shape, m.
+
+    Returns:
+        Angle from east, rad; its sign along the side is arbitrary.
+    """
     (ax, ay), (bx, by), (cx, cy), *_ = shapely.get_coordinates(
         shapely.oriented_envelope(shape)
     ).tolist()
@@ -173,5 +183,10 @@ def long_axis_rad(shape: BaseGeometry) -> float:
 
 
 def turned_box(box: OrientedBox, yaw_rad: float) -> OrientedBox:
-    """The same box with another heading, rad."""
+    """Give the same box with another heading.
+
+    Args:
+        box: Box.
+        yaw_rad: Heading, rad from east.
+    """
     return OrientedBox(box.p, quat_from_yaw(yaw_rad), box.s)

@@ -88,7 +88,11 @@ def is_hidden_way(tags: Tags) -> bool:
 
 
 def street_width_m(tags: Tags) -> float:
-    """Width of the carriageway in m, from `width`, `lanes`, or the kind of street."""
+    """Width of the carriageway in m, from `width`, `lanes`, or the kind of street.
+
+    Args:
+        tags: Tags of a street, see `is_street`.
+    """
     for key in ("width:carriageway", "width", "est_width"):
         if (stated := length_m(tags, key, 2.0, 40.0)) is not None:
             return stated
@@ -101,7 +105,11 @@ def street_width_m(tags: Tags) -> float:
 
 
 def path_width_m(tags: Tags) -> float:
-    """Width of a path in m, from `width` or its kind."""
+    """Width of a path in m, from `width` or its kind; a metre at least.
+
+    Args:
+        tags: Tags of a path, see `is_path`.
+    """
     stated = length_m(tags, "width", 0.5, 30.0)
     return _PATHS_M[tags["highway"]] if stated is None else max(stated, 1.0)
 
@@ -132,7 +140,12 @@ def pavement_width_m(tags: Tags) -> float:
 
 
 def finish(tags: Tags, usual: str) -> str:
-    """Material of a surface; `usual` if the map states none that we know."""
+    """Material of a surface.
+
+    Args:
+        tags: Tags of the surface.
+        usual: Material if the map states none that we know.
+    """
     surface = tags.get("surface", "")
     return next((ours for ours, names in _FINISHES.items() if surface in names), usual)
 

@@ -81,6 +81,7 @@ def lay_pavements(site: Site, features: Sequence[Feature], footways: Sequence[Fe
         sides, width = facts.pavements(feature.tags), facts.pavement_width_m(feature.tags)
         for line in _lines([feature]) if sides else ():
             centre = shapely.LineString(line.points)
+            # The strip is as wide as street and pavements together; the street is cut out below.
             reach = line.width_m / 2 + width
             if len(sides) == 2:
                 strips.append(
@@ -133,6 +134,7 @@ def _lines(features: Sequence[Feature]) -> Iterator[_Line]:
         for feature in features
         for part in shapely.get_parts(feature.geometry)
     ]
+    # A point that two lines have is a junction, and must not be simplified away.
     counts = Counter(_key(point) for _, points in parts for point in dict.fromkeys(points))
     for feature, points in parts:
         kept = _simplified(points, {key for key, count in counts.items() if count > 1})
@@ -183,6 +185,7 @@ def _meetings(lines: Sequence[_Line]) -> Counter[tuple[int, int]]:
     for line in lines:
         for number, point in enumerate(line.points):
             is_end = number in {0, len(line.points) - 1}
+            # A line that goes on counts as two stretches.
             counts[_key(point)] += 1 if is_end else 2
     return counts
 

@@ -161,7 +161,10 @@ def _kind(tags: Tags) -> _Kind | None:
 
 
 def is_strip(tags: Tags) -> bool:
-    """Return true if a line is ground with a width: a railway or flowing water."""
+    """Return true if a line is ground with a width: a railway or flowing water.
+
+    Water in a tunnel is none.
+    """
     return facts.is_rail(tags) or _is_open_water(tags)
 
 
@@ -215,6 +218,7 @@ def _shapes(feature: Feature) -> Iterator[tuple[_Kind, BaseGeometry]]:
 
 
 def _lay(site: Site, kind: _Kind, feature: Feature, polygon: BaseGeometry) -> None:
+    # Water stays water, whatever surface the map states for it.
     finish = kind.finish if kind is _WATER else facts.finish(feature.tags, kind.finish)
     for part in areal_parts(site.within(polygon), _LEAST_M2 / 2):
         frame = framed(part, BASE_M, BASE_M + kind.thickness_m)

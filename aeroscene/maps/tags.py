@@ -88,7 +88,15 @@ def number(tags: Tags, key: str, low: float, high: float) -> float | None:
 
 
 def heading_rad(tags: Tags, key: str = "direction") -> float | None:
-    """A compass direction, or degrees clockwise from north, as an angle from east in rad."""
+    """Read a compass direction, or degrees clockwise from north.
+
+    Args:
+        tags: Tags of a feature.
+        key: Key of the direction.
+
+    Returns:
+        Angle from east, rad, counter-clockwise; None if the direction is missing or unreadable.
+    """
     text = tags.get(key, "").strip()
     if text in _COMPASS:
         degrees = 22.5 * _COMPASS.index(text)
@@ -106,13 +114,18 @@ def _rgb(text: str) -> tuple[float, float, float] | None:
     match = _HEX.fullmatch(text)
     if match is None:
         return None
+    # Three digits are each written twice.
     digits = match[1] if len(match[1]) == 6 else "".join(2 * digit for digit in match[1])
     red, green, blue = (int(digits[i : i + 2], 16) / 255 for i in (0, 2, 4))
     return red, green, blue
 
 
 def wall_colour(tags: Tags) -> str | None:
-    """Our nearest colour of walls for `building:colour` and `building:material`."""
+    """Find our nearest colour of walls for `building:colour` and `building:material`.
+
+    Returns:
+        Name of the colour, or "brick"; None if the map states no colour that can be read.
+    """
     if tags.get("building:material") == "brick":
         return "brick"
     rgb = _rgb(tags.get("building:colour", tags.get("building:color", "")).lower())
@@ -124,7 +137,11 @@ def wall_colour(tags: Tags) -> str | None:
 
 
 def tiles(tags: Tags) -> str | None:
-    """Our roof tiles for `roof:colour` and `roof:material`: red ones or slate."""
+    """Find our roof tiles for `roof:colour` and `roof:material`: red ones or slate.
+
+    Returns:
+        Name of the tiles; None if the map states neither.
+    """
     material = tags.get("roof:material", "")
     if material in {"slate", "metal", "tar_paper", "concrete", "zinc", "copper"}:
         return "roof_slate"

@@ -74,6 +74,7 @@ def _trees(feature: Feature) -> Iterator[_Tree]:
     low, high = by_name()["tree"].height_m
     height_m = length_m(feature.tags, "height", 1.0, 60.0) or _HEIGHT_M
     height_m = min(max(height_m, low), high)
+    # A stated crown counts; without one, it is in proportion to the height.
     crown_m = length_m(feature.tags, "diameter_crown", 0.5, 30.0) or min(_CROWN_M, 0.7 * height_m)
     crown_m = min(crown_m, by_name()["tree"].length_m[1])
     for part in shapely.get_parts(feature.geometry):
@@ -92,6 +93,7 @@ def _of_woods(site: Site, woods: Sequence[Feature], trees: Sequence[_Tree]) -> I
     rng = np.random.default_rng(len(woods))
     left = _MOST_OF_WOODS
     for wood in woods:
+        # Trunks keep off the wood's border.
         shape = shapely.buffer(shapely.intersection(wood.geometry, site.place.area), -1.5)
         if shape.is_empty or any(shape.covers(shapely.Point(t.x, t.y)) for t in trees):
             continue

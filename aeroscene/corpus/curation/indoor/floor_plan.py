@@ -18,7 +18,7 @@ class OverlapError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class FloorPlan:
-    """Everything that is decided before the first object is placed."""
+    """Everything that is decided before the first object is placed; lengths in m."""
 
     name: str
     """Category of the shell: building or warehouse."""

@@ -31,11 +31,11 @@ class _Garden:
 
     @property
     def middle(self) -> float:
-        """Middle along u."""
+        """Middle along u, m."""
         return (self.u0 + self.u1) / 2
 
     def at(self, share: float) -> float:
-        """A place between the path (0) and the far end (1), as v."""
+        """Place between the path (0) and the far end (1), as v, m."""
         near, far = (self.v1, self.v0) if self.gate > 0 else (self.v0, self.v1)
         return near + share * (far - near)
 
@@ -49,7 +49,7 @@ class Allotments:
     _huts: list[Placed] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """The path; then a hut in each garden and hedges between them."""
+        """Grow the path; then a hut in each garden and hedges between them."""
         ground = self.ground
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -60,6 +60,7 @@ class Allotments:
         self._part(middle)
         yield
         for garden in self._gardens:
+            # Off the fence at the back, in a corner of the garden.
             far = garden.at(1.0) + (1.7 if garden.gate > 0 else -1.7)
             u = garden.u0 + 1.9
             look = {"form": "shed"}
@@ -79,6 +80,7 @@ class Allotments:
         count = max(1, round((width - 0.8) / _PLOT_M))
         share = (width - 0.8) / count
         rows = [(0.4, middle - _PATH_M / 2 - 0.2, 1)]
+        # A second row needs some depth behind the path.
         if depth - middle > 6.0:
             rows.append((middle + _PATH_M / 2 + 0.2, depth - 0.4, -1))
         for v0, v1, gate in rows:
@@ -87,7 +89,7 @@ class Allotments:
                 self._gardens.append(_Garden(u0, round(u0 + share, 2), v0, v1, gate))
 
     def details(self) -> Iterator[None]:
-        """Beds, fruit trees, compost bins, a table here and there, objects along the path."""
+        """Grow beds, fruit trees, compost bins, a table here and there, objects along the path."""
         ground = self.ground
         growths = [self._tend(garden) for garden in self._gardens]
         yield from in_turn(*growths, self._line_path())
@@ -128,6 +130,7 @@ class Allotments:
         """A notice board at the entrance, bicycles and bins along the path."""
         ground, draw = self.ground, self.ground.draw
         half = ground.parcel.width / 2
+        # The path runs just beyond the ends of the first row's gardens.
         v = next((garden.v1 for garden in self._gardens), 0.0) + 0.2 + _PATH_M / 2
         ground.stand("sign", -half + 0.6, v, (0.1, 1.0, 2.0), turn=0.0)
         for _ in range(3):

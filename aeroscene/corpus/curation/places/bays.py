@@ -26,7 +26,7 @@ _SOLAR_M = (2.0, 3.0, 0.5)
 
 @dataclass(frozen=True, slots=True)
 class Bay:
-    """One space: its place in the field's frame and the sign of its row."""
+    """One space: its middle in the field's frame, m, and the sign of its row along v."""
 
     u: float
     v: float
@@ -44,7 +44,11 @@ class BayField:
     """Numbers of the bays under the carport."""
 
     def park_cars(self, ground: Ground) -> Iterator[None]:
-        """Park cars in most of the bays, two in each step, nose in or out."""
+        """Park cars in most of the bays, two in each step, nose in or out.
+
+        Args:
+            ground: Parcel of the field.
+        """
         draw = ground.draw
         share = draw.between(0.65, 0.92)
         for step, index in enumerate(draw.shuffled(range(len(self.bays)))):
@@ -53,6 +57,7 @@ class BayField:
             bay, bearing = self.bays[index], on_top(ground, self.lot)
             is_covered = self.carport is not None and index in self.covered
             if is_covered and self.carport:
+                # A car under the roof belongs to the roof.
                 bearing = beneath(ground, self.carport)
             # Vans are higher than a carport allows.
             name = "van" if not is_covered and draw.chance(0.12) else "car"
@@ -63,7 +68,13 @@ class BayField:
         yield
 
     def raise_carport(self, ground: Ground) -> None:
-        """Place a roof over some bays of the far row, on which solar panels can lie."""
+        """Place a roof over some bays of the far row, on which solar panels can lie.
+
+        A row of fewer than three bays has none.
+
+        Args:
+            ground: Parcel of the field.
+        """
         row = [index for index, bay in enumerate(self.bays) if bay.row == 1]
         # At least one bay stays open, so that the field is recognisable from above.
         count = min(5, len(row) - 1)
@@ -81,6 +92,7 @@ class BayField:
     def equip(self, ground: Ground) -> Iterator[None]:
         """Place solar panels in a row on the carport, and a lamp at each end of the lane."""
         if self.carport:
+            # A panel is 3 m wide, and a tenth of a metre lies between two.
             platform = on_top(ground, self.carport)
             count = max(1, int((self.carport.size[1] - 0.2) / 3.1))
             for index in range(count):
@@ -116,6 +128,7 @@ def paint_bays(
     lot = bearing.stand("parking_lot", spot, size, margin=0.0, look=look)
     if lot is None:
         return None
+    # The bays share what is left at both ends.
     count = int((size[0] - 0.1) // BAY_WIDTH_M)
     bays = [
         Bay((index - (count - 1) / 2) * BAY_WIDTH_M, row * (deep / 2 - _BAY_HALF_M), row)

@@ -13,7 +13,7 @@ from aeroscene.scene import Vector3
 
 @dataclass(frozen=True, slots=True)
 class OpenGround:
-    """The surface of a parcel, level or sloped."""
+    """The surface of a parcel, level or sloped, as a bearing."""
 
     ground: Ground
 
@@ -36,7 +36,10 @@ class OpenGround:
         margin: float = 0.04,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand an object at a spot, or return None if it does not fit."""
+        """Stand an object at a spot of the world; see `Platform.stand`.
+
+        Its heading is taken from the spot, and its height from the ground below it.
+        """
         at = self.ground.parcel.frame.local(spot.x, spot.y)
         turn = self.ground.facing(spot)
         return self.ground.stand(name, *at, size, turn=turn, margin=margin, look=look)
@@ -44,7 +47,7 @@ class OpenGround:
 
 @dataclass(frozen=True, slots=True)
 class Platform:
-    """A level face of one object."""
+    """A level face of one object, as a bearing; objects on it become its children."""
 
     builder: Builder
     draw: Draw
@@ -60,7 +63,18 @@ class Platform:
         margin: float = 0.04,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Stand an object at a spot, or return None if it does not fit."""
+        """Stand an object at a spot of the world.
+
+        Args:
+            name: Category.
+            spot: Middle and heading.
+            size: Extents; drawn by default.
+            margin: Distance to keep from other objects, m.
+            look: Attributes.
+
+        Returns:
+            The object, or None if it does not fit.
+        """
         return self.builder.place(
             name,
             spot,
@@ -78,7 +92,12 @@ Bearing = OpenGround | Platform
 
 
 def on_top(ground: Ground, bearer: Placed) -> Platform:
-    """The upper face of a deck, a path, a container or a table."""
+    """Upper face of a deck, a path, a container or a table.
+
+    Args:
+        ground: Parcel, whose builder and randomness are used.
+        bearer: Object whose face it is.
+    """
     return Platform(ground.builder, ground.draw, bearer, bearer.top)
 
 

@@ -56,6 +56,7 @@ def outer_sides(builder: Builder, parcel: Parcel, parcels: Sequence[Parcel]) -> 
         "east": [(half, s * parcel.depth) for s in _SHARES],
         "west": [(-half, s * parcel.depth) for s in _SHARES],
     }
+    # The streets' objects, which stand already; other places are known by their parcels.
     grounds = [
         (Frame(*obj.bbox.p[:2], obj.bbox.yaw_rad), obj.bbox.s)
         for obj in builder.objects

@@ -45,7 +45,7 @@ class Clinic:
     """u0, u1, v0, v1 of the forecourt."""
 
     def structures(self) -> Iterator[None]:
-        """The three wings; then roofs, the porch, a garden in the court."""
+        """Grow the three wings; then roofs, the porch, a garden in the court."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza", {"form": "border", "paving": "paving"})
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -93,6 +93,7 @@ class Clinic:
         u0, u1, v0, v1 = self._court
         thick = ground.draw.between(6.4, 7.6)
         long = round(v1 - v0 - 2.5, 2)
+        # A side wing needs a court that stays wide enough, and a main wing to meet.
         if u1 - u0 - thick < _LEAST_COURT_M or long < 6.2 or not self._wings:
             return
         at = u1 - thick / 2 - 0.2 if side > 0 else u0 + thick / 2 + 0.2
@@ -108,7 +109,7 @@ class Clinic:
             self._court = (u0, u1 - cut, v0, v1) if side > 0 else (u0 + cut, u1, v0, v1)
 
     def details(self) -> Iterator[None]:
-        """A pad on the main roof, machines on the others, ambulances, benches, trees."""
+        """Grow a pad on the main roof, machines on the others, ambulances, benches, trees."""
         ground, draw = self.ground, self.ground.draw
         # The first roof is the main wing's, which has the pad.
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._roofs[1:]]
@@ -119,6 +120,7 @@ class Clinic:
         if not self._roofs:
             return
         top = roof_top(self.ground.builder, self.ground.draw, self._roofs[0])
+        # As large as the roof allows, and left out below 2 m.
         side = min(_PAD_M[0], round(2 * top.half_v - 0.4, 2))
         if side >= 2.0:
             top.platform.stand("landing_pad", top.frame, (side, side, 0.05), margin=0.3)

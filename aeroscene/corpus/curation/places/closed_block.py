@@ -62,7 +62,7 @@ class ClosedBlock:
     _shelter: Placed | None = None
 
     def structures(self) -> Iterator[None]:
-        """The masses; then roofs, the way into the court, a shelter."""
+        """Grow the masses; then roofs, the way into the court, a shelter."""
         ground, draw = self.ground, self.ground.draw
         ground.cover(draw.one_of(("plaza", "lawn", "lawn")))
         half = ground.parcel.width / 2
@@ -117,6 +117,7 @@ class ClosedBlock:
         ground, draw = self.ground, self.ground.draw
         u0, u1, v0, v1 = self._court
         thick = draw.between(*_WING_M)
+        # A wing that is left out leaves its part to the court.
         if u1 - u0 - thick < _COURT_M or v1 - v0 < _LEAST_WING_M:
             return
         turn = 2 * QUARTER if side > 0 else 0.0
@@ -161,6 +162,7 @@ class ClosedBlock:
         ground = self.ground
         if not self._masses or self._court[3] - self._court[2] < _COURT_M:
             return
+        # Paving ends three metres within the court.
         long = round(deep + 3.0, 2)
         size = (long, _GATE_M - 0.6, 0.05)
         self._path = ground.stand("sidewalk", gate, long / 2, size, turn=INWARD, margin=0.0)
@@ -174,7 +176,7 @@ class ClosedBlock:
         self._shelter = ground.stand("canopy", u, v1 - 1.5, (2.2, 4.6, 2.6), margin=0.2, look=look)
 
     def details(self) -> Iterator[None]:
-        """Machines and chimneys on the roofs, bicycles, bins and trees in the court."""
+        """Grow machines and chimneys on the roofs, bicycles, bins and trees in the court."""
         ground, draw = self.ground, self.ground.draw
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._flat]
         yield from in_turn(self._live(), *roofs, self._chimneys(), self._plant())
@@ -201,6 +203,7 @@ class ClosedBlock:
             name = draw.one_of(("car", "van"))
             park(on_top(ground, self._path), name, self._path.frame, end, 0.0, 0.0)
             yield
+        # A table needs a court in which people can sit off the walls.
         if v1 - v0 > 7 and u1 - u0 > 7:
             at = (draw.between(u0 + 2.5, u1 - 2.5), draw.between(v0 + 3.0, v1 - 3.0))
             picnic(OpenGround(ground), ground.parcel.frame, *at, 0.0)

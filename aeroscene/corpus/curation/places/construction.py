@@ -44,7 +44,7 @@ class Construction:
     _side: int = 1
 
     def structures(self) -> Iterator[None]:
-        """Slab and walls; then cabins, a heap of earth, a scaffold, the fence."""
+        """Grow slab and walls; then cabins, a heap of earth, a scaffold, the fence."""
         ground, draw = self.ground, self.ground.draw
         gravel = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", gravel)
@@ -80,6 +80,7 @@ class Construction:
         width, depth = ground.parcel.width, ground.parcel.depth
         deep = round(max(5.0, min(13.0, depth - 9.0)), 2)
         length = round(max(5.0, min(14.0, width - 5.5)), 2)
+        # Off the middle, so that trucks pass the slab on the other side.
         u = self._side * max(0.0, (width - length) / 2 - 4.8)
         concrete = {"form": "terrace", "finish": "concrete"}
         v = depth - deep / 2 - 1.2
@@ -112,6 +113,7 @@ class Construction:
         """Excavated earth."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
+        # The heap shrinks with the parcel, and is a sixth as high as wide.
         side = min(7.0, 0.3 * depth)
         size = (round(side, 2), round(0.9 * side, 2), round(0.16 * side, 2))
         earth = {"form": "mound", "finish": "gravel"}
@@ -138,7 +140,7 @@ class Construction:
                 return
 
     def details(self) -> Iterator[None]:
-        """Material on the slab and around it, a truck, cabins with their machines."""
+        """Grow material on the slab and around it, a truck, cabins with their machines."""
         ground = self.ground
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         floor = (-half + 1.0, half - 1.0, 4.5, depth - 1.0)

@@ -48,12 +48,13 @@ class Depot:
     _gate_u: float = 0.0
 
     def structures(self) -> Iterator[None]:
-        """The hall; then its dock, the gatehouse, swap bodies, the fence."""
+        """Grow the hall; then its dock, the gatehouse, swap bodies, the fence."""
         ground, draw = self.ground, self.ground.draw
         look = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", look)
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         side = 1 if draw.chance(0.5) else -1
+        # The gate lies off the middle, opposite the hall.
         self._gate_u = side * max(0.0, half - 7.0)
         # The hall stands at the side opposite the gate.
         self._raise_hall(-side)
@@ -107,7 +108,7 @@ class Depot:
             bearing.stand("stairs", self._dock.frame.moved(0.0, at, -QUARTER), steps, margin=0.0)
 
     def details(self) -> Iterator[None]:
-        """Trucks at the dock, goods, the stock inside, cars and lamps."""
+        """Grow trucks at the dock, goods, the stock inside, cars and lamps."""
         ground = self.ground
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         apron = (-half + 1.0, half - 1.0, 1.5, 0.45 * depth)
@@ -130,6 +131,7 @@ class Depot:
             yield
             return
         dock, platform = self._dock, on_top(ground, self._dock)
+        # A slot is a truck's width and a passage.
         slots = max(1, int(dock.size[1] / 4.2))
         places = [(index - (slots - 1) / 2) * 4.2 for index in range(slots)]
         for index in draw.shuffled(range(slots)):

@@ -41,7 +41,7 @@ class Farm:
     _side: int = 1
 
     def structures(self) -> Iterator[None]:
-        """House and barn; then the yard between them, a shed, the paddock's fence, beds."""
+        """Grow house and barn; then the yard between them, a shed, the paddock's fence, beds."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -102,7 +102,7 @@ class Farm:
         self._barn = ground.erect("warehouse", u, 1.2 + long / 2, size, turn=turn, look=look)
 
     def details(self) -> Iterator[None]:
-        """Tractors and trailers, hay, a silo; fruit trees in rows, rows of plants."""
+        """Grow tractors and trailers, hay, a silo; fruit trees in rows, rows of plants."""
         yield from in_turn(self._work(), self._live(), self._grow(), self._plant())
 
     def _work(self) -> Iterator[None]:
@@ -123,6 +123,7 @@ class Farm:
             yield
         if self._shed:
             shed = beneath(ground, self._shed)
+            # Bales in two ranks, four in each.
             for index in range(4):
                 at = (index - 1.5) * 1.9
                 for depth in (-1.1, 0.6):
@@ -174,6 +175,7 @@ class Farm:
         """An orchard in the paddock, trees along the flanks."""
         ground, draw = self.ground, self.ground.draw
         half, depth = ground.parcel.width / 2, ground.parcel.depth
+        # All trees of an orchard are alike.
         crown = draw.between(2.4, 3.2)
         size = (crown, crown, 4.2)
         look = {"form": "round"}

@@ -43,6 +43,7 @@ def fill_up(
     for index in range(rounds):
         name = names[index % len(names)]
         if name not in rows:
+            # The number of kinds so far decides on the side, so that each kind has another one.
             row = _row(ground, len(rows), near, _PITCH_M.get(name, _USUAL_PITCH_M))
             rows[name] = (row, _size(ground, name))
         row, size = rows[name]
@@ -62,6 +63,7 @@ def _row(
 ) -> _Row:
     """Places along the next side of an area (back, left or right), from a random start."""
     u0, u1, v0, v1 = near
+    # The start varies, so that rows of two scenes do not begin alike.
     start = ground.draw.between(0.0, 0.4)
     if number % 3 == 0:
         count = int((u1 - u0 - 2 * _INSET_M) / pitch)

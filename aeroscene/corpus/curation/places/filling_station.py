@@ -37,7 +37,7 @@ class FillingStation:
     _side: int = 1
 
     def structures(self) -> Iterator[None]:
-        """Roof and shop; then the washing bay, a strip of green at the street."""
+        """Grow roof and shop; then the washing bay, a strip of green at the street."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("parking_lot", {"rows": 0, "form": "bays"})
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -71,7 +71,7 @@ class FillingStation:
         yield
 
     def details(self) -> Iterator[None]:
-        """Pumps with cars beside them, the price board, goods before the shop."""
+        """Grow pumps with cars beside them, the price board, goods before the shop."""
         ground, draw = self.ground, self.ground.draw
         roof = iter(())
         if self._roof:
@@ -84,6 +84,7 @@ class FillingStation:
         if canopy is None:
             return
         bearing = beneath(ground, canopy)
+        # One island at least, however short the roof is.
         count = max(1, int(canopy.size[1] / _ISLAND_PITCH_M))
         for index in range(count):
             at = (index - (count - 1) / 2) * _ISLAND_PITCH_M

@@ -48,7 +48,7 @@ class Flats:
     _court_v: float = 0.0
 
     def structures(self) -> Iterator[None]:
-        """A slab along the street, then a second mass, a path, a roof garden, balconies."""
+        """Grow a slab along the street, then a second mass, a path, a roof garden, balconies."""
         ground, draw = self.ground, self.ground.draw
         ground.cover(draw.one_of(("lawn", "lawn", "plaza")))
         self._raise_slab()
@@ -82,6 +82,7 @@ class Flats:
         width, depth = ground.parcel.width, ground.parcel.depth
         bays = max(2, min(8, int((width - 3) / _BAY_M)))
         length = _BAY_M * draw.count(max(2, bays - 2), bays)
+        # Whole bays of the facade, so that windows are not cut.
         deep = min(_BAY_M * draw.count(3, 4), max(6.0, round(depth - 5.5, 2)))
         setback = min(draw.between(3.0, 5.0), max(0.5, depth - deep - 0.5))
         u = draw.between(-0.5, 0.5) * max(0.0, width - length - 2)
@@ -178,7 +179,7 @@ class Flats:
         self._balconies.append(balcony)
 
     def details(self) -> Iterator[None]:
-        """Machines on the roofs, bicycles, life in the court, plants on the balconies."""
+        """Grow machines on the roofs, bicycles, life in the court, plants on the balconies."""
         ground, draw = self.ground, self.ground.draw
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._roofs]
         if self._roof_deck:

@@ -74,6 +74,7 @@ def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attribut
     )
     for sign in (-1, 1):
         at = sign * hall.size[0] / 2
+        # Just above the floor, so that the floor itself does not count as in the way.
         ground.builder.reserve(hall.frame.moved(at, 0.0), _GATE_AIR_M, hall.base + 0.05)
     rooms = (RoomSpace(room),) if room else ()
     return Shell(hall, rooms, size[2])
@@ -82,9 +83,15 @@ def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attribut
 def furnish(
     ground: Ground, rooms: Sequence[RoomSpace], kinds: Sequence[str] = ()
 ) -> Iterator[None]:
-    """Furnish all rooms; rooms with a use of their own at once, so that none looks empty.
+    """Furnish all rooms of a place.
 
-    The others are of the kinds in turn, and grow side by side with the rest of the place.
+    Rooms with a use of their own are furnished at once, so that none looks empty. The others are of
+    the kinds in turn, and grow side by side with the rest of the place.
+
+    Args:
+        ground: Parcel of the building.
+        rooms: Rooms.
+        kinds: Kinds of furniture for rooms that have no use of their own.
     """
     growths = [
         furnish_room(ground.builder, ground.draw, space, kinds[index % len(kinds)] if kinds else "")

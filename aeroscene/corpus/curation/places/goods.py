@@ -25,31 +25,50 @@ Area = tuple[float, float, float, float]
 
 
 def paint(draw: Draw) -> Attributes:
-    """Draw a colour for a vehicle, container or awning."""
+    """Draw a colour for a vehicle, container or awning, as an attribute."""
     return {"colour": draw.one_of(PAINT_COLOURS)}
 
 
 def set_container(ground: Ground, u: float, v: float, turn: float) -> Placed | None:
-    """A container on the ground."""
+    """Set a container on the ground, painted in any colour.
+
+    Args:
+        ground: Parcel.
+        u: Middle along the street, m.
+        v: Middle, m from the street.
+        turn: Heading in the parcel's frame, rad.
+
+    Returns:
+        The container, or None if it does not fit.
+    """
     return ground.erect("container", u, v, CONTAINER_M, turn=turn, look=paint(ground.draw))
 
 
 def stack_container(ground: Ground, lower: Placed) -> Placed | None:
-    """Another container of the same size, flush on top of one."""
+    """Set another container of the same size flush on top of one; None if it does not fit."""
     look = paint(ground.draw)
     return on_top(ground, lower).stand("container", lower.frame, lower.size, margin=0.0, look=look)
 
 
 def pallet_row(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Place loaded pallets side by side along the frame's x axis."""
+    """Place loaded pallets side by side along a frame's x axis.
+
+    Args:
+        bearing: Surface that carries them.
+        frame: Frame of the coordinates.
+        u: Middle of the row, m.
+        v: Middle of the row, m.
+        count: Number of pallets; those that do not fit are left out.
+    """
     for index in range(count):
+        # A pallet's width and 0.2 m between.
         at = u + (index - (count - 1) / 2) * 1.4
         size = (1.2, 1.0, bearing.draw.between(0.5, 1.4))
         bearing.stand("pallet", frame.moved(at, v), size)
 
 
 def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
-    """Place two crates side by side and a smaller one on the first."""
+    """Place two crates side by side and, in most cases, a smaller one on the first."""
     draw = bearing.draw
     first = bearing.stand("crate", frame.moved(u - 0.6, v), (1.0, 1.0, draw.between(0.7, 1.0)))
     side = draw.between(0.8, 1.05)
@@ -60,7 +79,7 @@ def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
 
 
 def plastic_crates(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Place plastic crates of one colour close together in two ranks."""
+    """Place plastic crates of one colour close together in two ranks, from a corner on."""
     look = {**paint(bearing.draw), "form": "plastic"}
     for index in range(count):
         at = (u + (index // 2) * 0.82, v + (index % 2) * 0.82)
@@ -68,7 +87,14 @@ def plastic_crates(bearing: Bearing, frame: Frame, u: float, v: float, count: in
 
 
 def range_goods(ground: Ground, bearing: Bearing, near: Area, rounds: int) -> Iterator[None]:
-    """Place clusters of goods in rows from the back of an area, one cluster in each step."""
+    """Place clusters of goods in rows from the back of an area, one cluster in each step.
+
+    Args:
+        ground: Parcel, in whose frame the area is.
+        bearing: Surface that carries the goods.
+        near: Area.
+        rounds: Most clusters.
+    """
     draw = ground.draw
     for index, (u, v) in zip(range(rounds), _free_spots(ground, near), strict=False):
         # Three clusters of a kind stand together.
@@ -107,7 +133,13 @@ def _free_spots(ground: Ground, near: Area) -> Iterator[tuple[float, float]]:
 
 
 def boxes_on(ground: Ground, bearer: Placed, count: int) -> None:
-    """Place cartons along an object's upper face."""
+    """Place cartons along an object's upper face, evenly from end to end.
+
+    Args:
+        ground: Parcel, whose builder and randomness are used.
+        bearer: Object that carries them.
+        count: Number of cartons; those that do not fit are left out.
+    """
     reach = bearer.size[1] / 2 - 0.4
     for index in range(count):
         at = 0.0 if count == 1 else -reach + 2 * reach * index / (count - 1)

@@ -52,12 +52,18 @@ class Ground:
         """
         if not self.parcel.rise:
             return self.level
+        # Half the outline's depth along the slope.
         reach = (abs(sin(turn)) * size[0] + abs(cos(turn)) * size[1]) / 2
         share = min(1.0, max(0.0, (v - reach) / self.parcel.depth))
         return self.parcel.level + share * self.parcel.rise
 
     def cover(self, name: str, look: Attributes | None = None) -> None:
-        """Give the whole parcel a surface; on a slope the surface is the hill itself."""
+        """Give the whole parcel a surface; on a slope the surface is the hill itself.
+
+        Args:
+            name: Category of the surface, a key of `GROUND_M`.
+            look: Attributes; a slope has its own.
+        """
         parcel = self.parcel
         turn, size = 0.0, (parcel.width, parcel.depth, GROUND_M[name])
         if parcel.rise:
@@ -110,7 +116,17 @@ class Ground:
         margin: float = _MARGIN_M,
         look: Attributes | None = None,
     ) -> Placed | None:
-        """Put up a structure if there is space: a root of its own, or a part of its hill."""
+        """Put up a structure if there is space: a root of its own, or a part of its hill.
+
+        Args:
+            name: Category.
+            u: Middle along the street, m.
+            v: Middle, m from the street.
+            size: Extents.
+            turn: Heading in the parcel's frame; by default the front faces the street.
+            margin: Distance to keep from other objects, m.
+            look: Attributes.
+        """
         bearer, base = self.surface, self.height_under(v, size, turn)
         spot, parent = self.parcel.frame.moved(u, v, turn), bearer if self.parcel.rise else None
         return self.builder.place(
@@ -151,7 +167,12 @@ class Ground:
     def plant_trees(
         self, count: int, near: tuple[float, float, float, float] | None = None
     ) -> None:
-        """Plant trees of one form and colour, square in outline so that crowns are round."""
+        """Plant trees of one form and colour, square in outline so that crowns are round.
+
+        Args:
+            count: Number of trees; those that find no space after some tries are left out.
+            near: Area u0, u1, v0, v1; the whole parcel by default.
+        """
         form = self.draw.one_of(("round", "spreading", "conical"))
         leaves = self.draw.one_of(("leaves", "leaves", "leaves_dark", "leaves_autumn"))
         half, depth = self.parcel.width / 2, self.parcel.depth
@@ -160,6 +181,7 @@ class Ground:
             height = self.draw.between(4.5, 10.5)
             width = round(height * self.draw.between(0.4, 0.58), 2)
             if form == "conical":
+                # Conical trees are slender.
                 width = round(0.7 * width, 2)
             reach = width / 2 + 0.2
             for _ in range(_TRIES):
@@ -178,7 +200,14 @@ class Ground:
     def fence_line(
         self, start: tuple[float, float], end: tuple[float, float], form: str, height: float
     ) -> None:
-        """A fence between two points of the parcel that share u or v."""
+        """Stand a fence between two points of the parcel that share u or v.
+
+        Args:
+            start: One end, u and v.
+            end: The other end.
+            form: Form of the fence.
+            height: Height, m.
+        """
         (u0, v0), (u1, v1) = start, end
         is_along_u = abs(u1 - u0) > abs(v1 - v0)
         length = abs(u1 - u0) if is_along_u else abs(v1 - v0)
@@ -194,7 +223,15 @@ class Ground:
             self.builder.place("fence", spot, size, base=base, parent=self.surface, look=look)
 
     def fence_border(self, side: Side, form: str, height: float) -> None:
-        """A fence just inside a side of the parcel: its back or a flank."""
+        """Stand a fence just inside a side of the parcel: its back or a flank.
+
+        The front has none, because it is open to the street.
+
+        Args:
+            side: Side as seen with the street in the south.
+            form: Form of the fence.
+            height: Height, m.
+        """
         half, depth = self.parcel.width / 2 - _BORDER_M, self.parcel.depth - _BORDER_M
         match side:
             case "north":
@@ -208,5 +245,5 @@ class Ground:
                 pass
 
     def facing(self, spot: Frame) -> float:
-        """A spot's heading in the parcel's frame."""
+        """Heading of a spot in the parcel's frame, rad."""
         return spot.yaw - self.parcel.frame.yaw

@@ -53,6 +53,7 @@ class _Plot:
     @property
     def drive_u(self) -> float:
         """Middle of the drive."""
+        # The drive keeps 0.7 m from the neighbour.
         return self.high - 0.7 - _DRIVE_M / 2
 
     @property
@@ -76,7 +77,7 @@ class Houses:
     _rooms: list[RoomSpace] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """Houses first, then drives to garages, terraces, fences and sheds."""
+        """Grow houses first, then drives to garages, terraces, fences and sheds."""
         ground = self.ground
         ground.cover("lawn", {"form": "plain"})
         self._plots = self._part()
@@ -114,6 +115,7 @@ class Houses:
         is_shell = is_furnished and plot.space >= _LEAST_SHELL_M[0] and depth >= _LEAST_SHELL_M[1]
         deep = max(6.2, min(8.6, round(0.38 * depth, 2)))
         deep = _SHELL_DEPTH_M if is_shell else deep
+        # Shallow parcels have short front gardens, or hardly any.
         setback = max(0.6, min(draw.between(4.2, 6.0), depth - deep - 0.6))
         plot.back = setback + deep
         if is_shell:
@@ -209,7 +211,7 @@ class Houses:
         ground.erect("garage", *at, (2.4, 3.0, 2.4), look=look)
 
     def details(self) -> Iterator[None]:
-        """Furniture, then cars on the drives, and the life of the gardens."""
+        """Grow furniture, then cars on the drives, and the life of the gardens."""
         yield from in_turn(
             furnish(self.ground, self._rooms),
             self._front(),

@@ -33,11 +33,12 @@ class Market:
     _middle: Placed | None = None
 
     def structures(self) -> Iterator[None]:
-        """Three stalls and an awning; then a fountain, kiosks and more stalls."""
+        """Grow three stalls and an awning; then a fountain, kiosks and more stalls."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza")
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         spots = self._stall_spots()
+        # Three stalls at once, so that the first step shows a market.
         for spot in spots[:3]:
             self._pitch_stall(*spot)
         yield
@@ -84,7 +85,7 @@ class Market:
             self._stalls.append(stall)
 
     def details(self) -> Iterator[None]:
-        """Goods on the stalls, guests at the tables, and the usual furniture of a square."""
+        """Grow goods on the stalls, guests at the tables, and the usual furniture of a square."""
         yield from in_turn(self._sell(), self._serve(), self._decorate())
 
     def _sell(self) -> Iterator[None]:
@@ -99,6 +100,7 @@ class Market:
                 boxes_on(ground, table, ground.draw.count(2, 3))
             yield
         for stall in self._stalls:
+            # Behind the trader.
             crate_stack(beneath(ground, stall), stall.frame.moved(-0.75, 0, QUARTER), 0.0, 0.0)
             yield
         for kiosk in self._kiosks:
@@ -125,6 +127,7 @@ class Market:
         bearing = OpenGround(ground)
         if self._middle:
             reach = self._middle.size[0] / 2 + 0.9
+            # On all four sides, facing the middle.
             for quarter in range(4):
                 frame = self._middle.frame.moved(0, 0, quarter * QUARTER)
                 bearing.stand("bench", frame.moved(reach, 0.0, pi), (0.6, 1.8, 0.85))

@@ -54,7 +54,7 @@ class Offices:
     _walk: Placed | None = None
 
     def structures(self) -> Iterator[None]:
-        """The furnished building and its roof, then terrace, bays, garden path, pavilion."""
+        """Grow the furnished building and its roof, then terrace, bays, garden path, pavilion."""
         ground, draw = self.ground, self.ground.draw
         self._use = draw.one_of(tuple(_PROGRAMMES))
         ground.cover(draw.one_of(("lawn", "plaza", "lawn")))
@@ -79,6 +79,7 @@ class Offices:
         if garden > 5:
             long = round(min(2 * half - 3, 22.0), 2)
             v = setback + deep + 1.6
+            # Just behind the building, and along the whole back.
             self._walk = ground.stand("sidewalk", 0.0, v, (long, 1.6, 0.05), turn=0.0)
             yield
             size = (3.6, 4.4, 3.0)
@@ -129,7 +130,7 @@ class Offices:
         return u, setback, deep, length
 
     def details(self) -> Iterator[None]:
-        """Furniture inside and on the terrace, machines on the roof, the forecourt."""
+        """Grow furniture inside and on the terrace, machines on the roof, the forecourt."""
         ground, draw = self.ground, self.ground.draw
         roofs: list[Iterator[None]] = []
         if self._roof:
@@ -163,6 +164,7 @@ class Offices:
         bearing = OpenGround(ground)
         u = draw.between(-0.7, 0.7) * half
         rack_bicycles(bearing, ground.parcel.frame, u, 1.4, draw.count(3, 4))
+        # Anywhere along the front.
         yield
         ground.stand("sign", -0.3 * half, 0.7, (0.12, 1.6, 2.2))
         for _ in range(2):

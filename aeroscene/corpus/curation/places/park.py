@@ -35,7 +35,7 @@ class Park:
     """Sides of the pond and of the stage."""
 
     def structures(self) -> Iterator[None]:
-        """Lawn and path; then pond, stage, mound, pavilion, branch, hedge."""
+        """Grow lawn and path; then pond, stage, mound, pavilion, branch, hedge."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         half, depth = ground.parcel.width / 2, ground.parcel.depth
@@ -68,6 +68,7 @@ class Park:
         yield
         form = {"form": "hedge"}
         for sign in (-1, 1):
+            # The hedge at the back leaves the path open.
             long = half - 2.6 - sign * path_u
             u = path_u + sign * (1.8 + long / 2)
             if long > 2:
@@ -116,7 +117,7 @@ class Park:
         return self.ground.stand(name, u, v, size, turn=turn, margin=0.4, look=look)
 
     def details(self) -> Iterator[None]:
-        """Benches along the paths and trees first; then picnics, guests, flowers."""
+        """Grow benches along the paths and trees first; then picnics, guests, flowers."""
         bearing = OpenGround(self.ground)
         ways: list[Iterator[None]] = []
         for path in self._paths:
@@ -128,6 +129,7 @@ class Park:
         """Groves in the corners, bushes between."""
         ground = self.ground
         half, depth = ground.parcel.width / 2, ground.parcel.depth
+        # Quarters of the lawn, the far one of each side first.
         corners = [
             (min(0.0, s * half), max(0.0, s * half), low * depth, (low + 0.5) * depth)
             for s in (-1, 1)

@@ -41,12 +41,13 @@ class Parking:
     _side: int = 1
 
     def structures(self) -> Iterator[None]:
-        """Bays at the street; behind them more bays, an upper level or a shop."""
+        """Grow bays at the street; behind them more bays, an upper level or a shop."""
         ground, draw = self.ground, self.ground.draw
         rows = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", rows)
         self._side = 1 if draw.chance(0.5) else -1
         depth = ground.parcel.depth
+        # One or two rows, with less depth in a shallow parcel.
         first = min(TWO_ROWS_M, depth - 0.4)
         self._paint(OpenGround(ground), 0.2, first)
         yield
@@ -138,6 +139,7 @@ class Parking:
     def _rail(self, platform: Platform) -> None:
         """A railing along the upper level's edge, apart from the head of the ramp."""
         ground, half = self.ground, self.ground.parcel.width / 2
+        # Free where the ramp arrives.
         long = round(2 * half - _AISLE_M - 0.6, 2)
         u = -self._side * (half - long / 2 - 0.3)
         rails = {"form": "rails"}
@@ -154,7 +156,7 @@ class Parking:
         self._roof = add_flat_roof(ground.builder, shop) if shop else None
 
     def details(self) -> Iterator[None]:
-        """Cars in half the bays, panels on the carports, lamps, trees on the island."""
+        """Grow cars in half the bays, panels on the carports, lamps, trees on the island."""
         ground, draw = self.ground, self.ground.draw
         roof = iter(())
         if self._roof:
@@ -203,6 +205,7 @@ class Parking:
             platform.stand("tree", spot, (crown, crown, height))
             platform.stand("bush", frame.moved(0.2 * deep, at + 1.6), (0.9, 1.2, 0.9))
             if index % 2:
+                # Behind the trees, which stand towards the bays.
                 platform.stand("bench", frame.moved(0.3 * deep, at - 1.2), (0.6, 1.8, 0.85))
             yield
         if deep > 4:

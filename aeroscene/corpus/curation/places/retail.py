@@ -37,7 +37,7 @@ class Retail:
     """Beginning of the hall, v."""
 
     def structures(self) -> Iterator[None]:
-        """The hall; then bays, the roof over its entrance, a shelter for trolleys."""
+        """Grow the hall; then bays, the roof over its entrance, a shelter for trolleys."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("parking_lot", {"rows": 0, "form": "bays"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -52,6 +52,7 @@ class Retail:
         if self._hall:
             self._roof = add_flat_roof(ground.builder, self._hall)
         rest = round(self._front - _WALK_M - 0.3, 2)
+        # Bays are as deep as the rest allows, one row or two.
         if self._hall and rest >= 5.2:
             half = width / 2 - 0.4
             bays = paint_bays(ground, OpenGround(ground), (-half, half), 0.2, min(TWO_ROWS_M, rest))
@@ -70,7 +71,7 @@ class Retail:
         yield
 
     def details(self) -> Iterator[None]:
-        """Cars in the bays, goods at the entrance, machines on the roof."""
+        """Grow cars in the bays, goods at the entrance, machines on the roof."""
         ground, draw = self.ground, self.ground.draw
         roof = iter(())
         if self._roof:

@@ -16,7 +16,19 @@ _LONGEST_M = {"car": 4.8, "van": 5.6}
 def park(
     bearing: Bearing, name: str, frame: Frame, u: float, v: float, turn: float
 ) -> Placed | None:
-    """Park a vehicle with a drawn colour, or return None if it does not fit."""
+    """Park a vehicle with a drawn colour.
+
+    Args:
+        bearing: Surface that carries it.
+        name: Category, such as "car"; cars and vans are never too long for a bay.
+        frame: Frame of the coordinates.
+        u: Middle, m.
+        v: Middle, m.
+        turn: Heading in the frame, rad.
+
+    Returns:
+        The vehicle, or None if it does not fit.
+    """
     length, width, height = bearing.draw.size_of(name, 0.25)
     size = (min(length, _LONGEST_M.get(name, length)), width, height)
     look = paint(bearing.draw)
@@ -24,7 +36,15 @@ def park(
 
 
 def rack_bicycles(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Place bicycles side by side along the frame's x axis."""
+    """Place bicycles side by side along the frame's x axis, each in a colour of its own.
+
+    Args:
+        bearing: Surface that carries them.
+        frame: Frame of the coordinates.
+        u: Middle of the row, m.
+        v: Middle of the row, m.
+        count: Number of bicycles; those that do not fit are left out.
+    """
     for index in range(count):
         at = u + (index - (count - 1) / 2) * 0.75
         size = (1.75, 0.55, 1.05)
@@ -55,6 +75,7 @@ def line_way(
             bearing.stand("bin", spot, (0.5, 0.5, 0.95))
         yield
     for index in range(max(1, int((high - low) / 14.0))):
+        # Half a pitch of the benches, so that no lamp stands before one.
         at = low + 3.5 + 14.0 * index
         side = 1 if index % 2 else -1
         turn = -side * QUARTER

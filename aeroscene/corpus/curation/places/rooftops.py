@@ -28,7 +28,16 @@ TILES = ("roof_red", "roof_slate")
 
 
 def add_flat_roof(builder: Builder, building: Placed, *, parapet: bool = True) -> Placed | None:
-    """Add a slab over a building's outline, with a parapet."""
+    """Add a slab over a building's outline, with a parapet.
+
+    Args:
+        builder: Builder of the scene.
+        building: Building.
+        parapet: False for a bare slab, as on houses.
+
+    Returns:
+        The roof, or None if something is in the way.
+    """
     x, y, _ = building.size
     height = ROOF_SLAB_M + (PARAPET_RISE_M if parapet else 0.0)
     size = (x, y, height)
@@ -60,14 +69,26 @@ def add_row_roof(builder: Builder, building: Placed, tiles: str) -> Placed | Non
 
 
 def add_monopitch_roof(builder: Builder, building: Placed) -> Placed | None:
-    """Add one plane that rises towards the building's front, gentle enough to land on."""
+    """Add one plane that rises towards the building's front, gentle enough to land on.
+
+    Returns:
+        The roof, or None if something is in the way.
+    """
     x, y, _ = building.size
     size = (x + 2 * _OVERHANG_M, y + 2 * _OVERHANG_M, round(0.2 + MONOPITCH_SLOPE * x, 2))
     return builder.place("roof", building.frame, size, parent=building, look={"form": "shed"})
 
 
 def add_chimney(builder: Builder, draw: Draw, roof: Placed) -> None:
-    """Add a stack that rises through a pitched roof near its ridge."""
+    """Add a stack that rises through a pitched roof near its ridge.
+
+    Nothing happens if it does not fit.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        roof: Roof with a ridge along its x axis.
+    """
     u = draw.between(-0.3, 0.3) * roof.size[0]
     # The foot is inside the roof, below its plane; the stack ends 0.8 m above the ridge.
     foot = roof.base + 0.45 * roof.size[2]
@@ -85,13 +106,27 @@ class RoofTop:
     half_v: float
 
     def at_end(self, side: int, share: float) -> tuple[float, float]:
-        """Borders of the share of the roof at one end (1 or -1), as u."""
+        """Borders of a share of the roof at one end.
+
+        Args:
+            side: End, 1 or -1.
+            share: Share of the roof, 0 to 1.
+
+        Returns:
+            The lower and the upper border, as u, m.
+        """
         inner, outer = side * self.half_u * (1 - 2 * share), side * self.half_u
         return (min(inner, outer), max(inner, outer))
 
 
 def roof_top(builder: Builder, draw: Draw, roof: Placed) -> RoofTop:
-    """The face between the parapets of a flat roof."""
+    """Face between the parapets of a flat roof, as a surface that carries things.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness of everything that stands on it.
+        roof: Flat roof.
+    """
     x, y, _ = roof.size
     frame = roof.frame if x >= y else roof.frame.moved(0, 0, QUARTER)
     platform = Platform(builder, draw, roof, roof.base + ROOF_SLAB_M)
@@ -99,12 +134,19 @@ def roof_top(builder: Builder, draw: Draw, roof: Placed) -> RoofTop:
 
 
 def furnish_flat_roof(builder: Builder, draw: Draw, roof: Placed) -> Iterator[None]:
-    """Furnish a flat roof: machines along one edge; panels, a pad or nothing at one end."""
+    """Furnish a flat roof: machines along one edge; panels, a pad or nothing at one end.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        roof: Flat roof.
+    """
     top = roof_top(builder, draw, roof)
     side = 1 if draw.chance(0.5) else -1
     use = draw.one_of(("solar", "solar", "pad", "open"))
     ends = iter(())
     if use == "solar" and top.half_u > 3.5:
+        # A small roof has no room for panels beside its machines.
         ends = _solar_array(top, top.at_end(side, 0.45))
     elif use == "pad":
         ends = _pad(top, side)
@@ -117,6 +159,7 @@ def _machines(top: RoofTop) -> Iterator[None]:
     edge = 1 if draw.chance(0.5) else -1
     size = draw.size_of("ac_unit", 0.3)
     pitch = size[1] + 0.5
+    # At least one machine, and a row that keeps off both ends.
     count = min(draw.count(2, 5), max(1, int(1.2 * top.half_u / pitch)))
     v = edge * (top.half_v - size[0] / 2)
     for index in range(count):
@@ -145,6 +188,7 @@ def _solar_array(top: RoofTop, span: tuple[float, float]) -> Iterator[None]:
     turn = max((-QUARTER, QUARTER), key=lambda angle: -sin(top.frame.yaw + angle))
     low, high = span
     columns = max(1, int((high - low) / (width + 0.15)))
+    # A passage lies between two rows.
     rows = max(1, int((2 * top.half_v - 1.2) / (depth + 0.7)))
     for row in range(min(rows, 4)):
         v = top.half_v - depth / 2 - row * (depth + 0.7)
@@ -158,6 +202,7 @@ def _pad(top: RoofTop, side: int) -> Iterator[None]:
     """A landing pad towards one end."""
     length = top.platform.draw.between(2.6, 3.2)
     u = side * (top.half_u - length / 2 - 0.3)
+    # The pad must leave a strip for people at both sides.
     if top.half_v > length / 2 + 0.2:
         pad = (length, length, 0.05)
         top.platform.stand("landing_pad", top.frame.moved(u, 0.0), pad, margin=0.3)
@@ -165,7 +210,16 @@ def _pad(top: RoofTop, side: int) -> Iterator[None]:
 
 
 def lay_roof_deck(builder: Builder, draw: Draw, roof: Placed) -> Placed | None:
-    """Lay boards over one end of a flat roof, or return None if it is too small."""
+    """Lay boards over one end of a flat roof.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        roof: Flat roof.
+
+    Returns:
+        The deck, or None if the roof is too small.
+    """
     top = roof_top(builder, draw, roof)
     length, width = min(6.0, 0.8 * top.half_u), min(5.5, 2 * top.half_v - 0.4)
     if min(length, width) < 3.0:
@@ -176,7 +230,7 @@ def lay_roof_deck(builder: Builder, draw: Draw, roof: Placed) -> Placed | None:
 
 
 def furnish_roof_deck(builder: Builder, draw: Draw, deck: Placed) -> Iterator[None]:
-    """Tables for the tenants, planters along the rim, small trees in the corners."""
+    """Furnish a roof deck: tables for the tenants, planters at the rim, bushes in the corners."""
     platform = Platform(builder, draw, deck, deck.top)
     x, y, _ = deck.size
     tables = [(0.0, -0.22 * y), (0.0, 0.22 * y)] if y > 4.5 else [(0.0, 0.0)]

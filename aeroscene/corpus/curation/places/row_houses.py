@@ -36,17 +36,19 @@ class RowHouses:
     """End of the houses and beginning of the back gardens, v."""
 
     def structures(self) -> Iterator[None]:
-        """The row with its roofs; then a hedge in front, fences between gardens, sheds."""
+        """Grow the row with its roofs; then a hedge in front, fences between gardens, sheds."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
         deep = draw.between(*_DEEP_M)
         self._setback = max(0.5, min(draw.between(*_SETBACK_M), round(depth - deep - 0.5, 2)))
         self._back = round(self._setback + deep, 2)
+        # A parcel without a metre beside the houses keeps its lawn.
         if depth >= deep + 1.0:
             span = (-width / 2 + 0.6, width / 2 - 0.6)
             self._houses = raise_row(ground, span, self._setback, deep, _FRONTS, is_even=True)
         yield
+        # All roofs of a row have the same tiles.
         tiles = draw.one_of(TILES)
         for house in self._houses:
             roof = add_row_roof(ground.builder, house, tiles)
@@ -60,6 +62,7 @@ class RowHouses:
             self._lay_terrace(house)
             yield
         for index, house in enumerate(self._houses):
+            # Every other garden has a shed.
             if index % 2 == 0:
                 self._raise_shed(house)
                 yield
@@ -97,7 +100,7 @@ class RowHouses:
             ground.erect("garage", u, ground.parcel.depth - 1.8, _SHED_M, look=look)
 
     def details(self) -> Iterator[None]:
-        """Chimneys, bins and bushes in front; tables, trees and beds behind."""
+        """Grow chimneys, bins and bushes in front; tables, trees and beds behind."""
         yield from in_turn(
             self._front(), *(self._garden(house) for house in self._houses), self._chimneys()
         )

@@ -83,6 +83,7 @@ def raise_row(
         Buildings that found space, in the order of u.
     """
     draw, at, row = ground.draw, span[0], []
+    # One height for all if the row is even; drawn anew for each front otherwise.
     storeys = draw.count(*fronts.storeys)
     for width in cut_fronts(ground, round(span[1] - span[0], 2), fronts, is_even=is_even):
         if not is_even:

@@ -48,7 +48,7 @@ class School:
     _side: int = 1
 
     def structures(self) -> Iterator[None]:
-        """Building and a climbing tower; then court, sand pit, shade, fences."""
+        """Grow building and a climbing tower; then court, sand pit, shade, fences."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza")
         half = ground.parcel.width / 2
@@ -59,6 +59,7 @@ class School:
         self._lay_court(-side)
         yield
         sand = {"form": "terrace", "finish": "gravel"}
+        # The pit lies behind the tower, or before the building in a shallow yard.
         at = (side * 0.55 * half, min(self._yard_v - 2.4, 0.45 * self._yard_v + 5.6))
         self._sand = ground.stand("terrain", *at, (3.6, 4.2, 0.2), margin=0.3, look=sand)
         yield
@@ -113,6 +114,7 @@ class School:
         if tower is None:
             return
         self._towers.append(tower)
+        # Steps at one end, so that children can climb up.
         at = _TOWER_M[0] / 2 + 0.6
         steps = (1.2, 1.2, _TOWER_M[2])
         OpenGround(ground).stand("stairs", tower.frame.moved(at, 0.0, pi), steps, margin=0.0)
@@ -134,6 +136,7 @@ class School:
         )
         if self._court is None:
             return
+        # The fences at the ends are the goals.
         rails = {"form": "mesh"}
         for sign in (-1, 1):
             at = sign * (width / 2 - 0.15)
@@ -144,6 +147,7 @@ class School:
     def _fence(self) -> Iterator[None]:
         """Along the street with a gate, and along both flanks of the yard."""
         ground, half = self.ground, self.ground.parcel.width / 2
+        # The gate is 4 m wide, in the middle.
         edge = half - 0.25
         ground.fence_line((-edge, 0.25), (-2.0, 0.25), "rails", 1.4)
         ground.fence_line((2.0, 0.25), (edge, 0.25), "rails", 1.4)
@@ -153,7 +157,7 @@ class School:
             yield
 
     def details(self) -> Iterator[None]:
-        """Bicycles and benches, playthings, trees, machines on the roof."""
+        """Grow bicycles and benches, playthings, trees, machines on the roof."""
         ground = self.ground
         roof = iter(())
         if self._roof and self._is_flat:
@@ -222,6 +226,7 @@ class School:
         half = ground.parcel.width / 2
         yard = (-half, half, 0.6, self._yard_v)
         for index in range(4):
+            # Left and right in turn, two on each side.
             side = 1 if index % 2 else -1
             v = (0.2 + 0.5 * (index // 2)) * self._yard_v
             height = ground.draw.between(4.5, 7.0)

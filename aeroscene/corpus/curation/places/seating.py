@@ -67,11 +67,19 @@ def _seats(size: Vector3, count: int) -> list[_Seat]:
 
 
 def lay_table(builder: Builder, draw: Draw, table: Placed, seats: Sequence[_Seat]) -> None:
-    """Lay a plate and perhaps a cup before each of some seats."""
+    """Lay a plate and perhaps a cup before each of some seats.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        table: Table.
+        seats: Seats of `set_table`.
+    """
     reach = table.size[0] / 2
     for side, along in seats:
         items: list[tuple[str, float, float]] = [("plate", reach - 0.2, 0.0)]
         if draw.chance(0.6):
+            # Beside the plate, on the left of the guest.
             items.append(("cup", reach - 0.36, side * -0.2))
         for name, inset, aside in items:
             put_on(builder, draw, table, name, side * inset, along + aside, 0.0)
@@ -80,7 +88,20 @@ def lay_table(builder: Builder, draw: Draw, table: Placed, seats: Sequence[_Seat
 def put_on(
     builder: Builder, draw: Draw, bearer: Placed, name: str, u: float, v: float, turn: float
 ) -> Placed | None:
-    """Lay an object on another one's upper face, or return None if it does not fit."""
+    """Lay an object on another one's upper face.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness; draws the size.
+        bearer: Object that carries it.
+        name: Category.
+        u: Place in the frame of the bearer, m.
+        v: Place in the frame of the bearer, m.
+        turn: Heading in that frame, rad.
+
+    Returns:
+        The object, or None if it does not fit.
+    """
     spot = bearer.frame.moved(u, v, turn)
     return builder.place(name, spot, draw.size_of(name), parent=bearer, within=bearer)
 
@@ -88,7 +109,15 @@ def put_on(
 def dine(
     bearing: Bearing, frame: Frame, spots: list[tuple[float, float]], turn: float, chairs: int = 4
 ) -> Iterator[None]:
-    """Place tables at some spots of a frame; afterwards lay them, one by one."""
+    """Place tables at some spots of a frame; afterwards lay them, one by one.
+
+    Args:
+        bearing: Surface that carries them.
+        frame: Frame of the spots.
+        spots: Middles of the tables, m.
+        turn: Heading of the tables in the frame, rad.
+        chairs: Most chairs of each table.
+    """
     tables: list[tuple[Placed, list[_Seat]]] = []
     for u, v in spots:
         found = set_table(bearing, frame, u, v, turn=turn, chairs=chairs)
@@ -102,7 +131,7 @@ def dine(
 
 
 def picnic(bearing: Bearing, frame: Frame, u: float, v: float, turn: float) -> Placed | None:
-    """Place a table between two benches that face it."""
+    """Place a table between two benches that face it; None if the table does not fit."""
     length = bearing.draw.between(1.6, 2.0)
     form = {"form": "trestle"}
     size = (0.8, length, 0.74)

@@ -44,7 +44,7 @@ class Shops:
     """End of the shops and beginning of the yard, v."""
 
     def structures(self) -> Iterator[None]:
-        """The shops; then their awnings and roofs, a wall or a fence round the yard."""
+        """Grow the shops; then their awnings and roofs, a wall or a fence round the yard."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza", {"form": "bands"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -62,6 +62,7 @@ class Shops:
         for shop in self._shops:
             if draw.chance(0.2):
                 add_row_roof(ground.builder, shop, draw.one_of(TILES))
+            # Machines need a flat roof.
             else:
                 roof = add_flat_roof(ground.builder, shop)
                 self._flat += [roof] if roof else []
@@ -85,10 +86,11 @@ class Shops:
         self._awnings += [awning] if awning else []
 
     def details(self) -> Iterator[None]:
-        """Tables and goods under the awnings, boards and planters, machines on the roofs."""
+        """Grow tables and goods under the awnings, boards and planters, machines on the roofs."""
         ground, draw = self.ground, self.ground.draw
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._flat]
         uses = [
+            # In turn a cafe and a grocer.
             self._serve(awning) if index % 2 else self._sell(awning)
             for index, awning in enumerate(self._awnings)
         ]

@@ -35,7 +35,7 @@ class SportsGround:
     _stands: tuple[Placed, ...] = ()
 
     def structures(self) -> Iterator[None]:
-        """Court and changing rooms; then platforms for spectators, the fence round the court."""
+        """Grow court and changing rooms; then platforms for spectators, and the fence."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn", {"form": "plain"})
         width, depth = ground.parcel.width, ground.parcel.depth
@@ -49,6 +49,7 @@ class SportsGround:
         side = 1 if draw.chance(0.5) else -1
         look = {"colour": draw.one_of(WALL_COLOURS), "storeys": 1, "form": "plain"}
         deep, length, high = _LODGE_M
+        # Buildings are at least 6 m deep in the catalogue.
         size = (max(6.0, deep), min(length, round(0.5 * width, 2)), high)
         if size[1] >= 6.0:
             u = side * (width / 2 - size[1] / 2 - 0.8)
@@ -86,7 +87,7 @@ class SportsGround:
             yield
 
     def details(self) -> Iterator[None]:
-        """Benches along the court, lamps, bicycles, spectators' things, trees behind."""
+        """Grow benches along the court, lamps, bicycles, spectators' things, trees behind."""
         ground, draw = self.ground, self.ground.draw
         roof = iter(())
         if self._roof:
@@ -100,6 +101,7 @@ class SportsGround:
             count = max(1, int(stand.size[1] / 2.2))
             for index in range(count):
                 at = (index - (count - 1) / 2) * 2.2
+                # Two ranks, the rear one at the hedge.
                 for back in (-0.7, 0.4):
                     platform.stand("bench", stand.frame.moved(back, at), (0.5, 1.8, 0.85))
                 yield

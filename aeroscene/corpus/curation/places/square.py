@@ -45,10 +45,11 @@ class Square:
     """End of the open square, v."""
 
     def structures(self) -> Iterator[None]:
-        """The hall; then its tower and roof, the fountain, an awning, a kiosk."""
+        """Grow the hall; then its tower and roof, the fountain, an awning, a kiosk."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("plaza", {"form": draw.one_of(("cross", "bands", "border"))})
         side = 1 if draw.chance(0.5) else -1
+        # Until a hall stands, the square takes the whole depth.
         self._edge = ground.parcel.depth
         self._raise_hall(side)
         yield
@@ -102,7 +103,7 @@ class Square:
             ground.erect("tower", u, at, size, margin=0.0, look=look)
 
     def details(self) -> Iterator[None]:
-        """Trees in rows with benches between, tables under the awning, lamps, bicycles."""
+        """Grow trees in rows with benches between, tables under the awning, lamps, bicycles."""
         ground, draw = self.ground, self.ground.draw
         roof = iter(())
         if self._roof:
@@ -122,6 +123,7 @@ class Square:
             for share in (-0.64, 0.64, -0.3, 0.3) if half > _WIDE_M else (-0.56, 0.56):
                 u, sign = share * half, 1 if share > 0 else -1
                 ground.stand("tree", u, v, size, turn=0.0, look=look)
+                # Benches between two trees, and none behind the last.
                 if index < count - 1:
                     turn = pi if sign > 0 else 0.0
                     ground.stand("bench", u, v + _TREE_PITCH_M / 2, (0.6, 1.8, 0.85), turn=turn)

@@ -32,7 +32,7 @@ class Station:
     _green: Placed | None = None
 
     def structures(self) -> Iterator[None]:
-        """Two platforms with a shelter each; then more shelters, a kiosk, a green strip."""
+        """Grow two platforms with a shelter each; then more shelters, a kiosk, a green strip."""
         ground, draw = self.ground, self.ground.draw
         asphalt = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", asphalt)
@@ -99,7 +99,7 @@ class Station:
         self._green = ground.stand("lawn", 0.0, v, size, turn=0.0, margin=0.0)
 
     def details(self) -> Iterator[None]:
-        """Buses in the lanes, people's things on the platforms, trees behind."""
+        """Grow buses in the lanes, people's things on the platforms, trees behind."""
         yield from in_turn(self._drive(), self._wait(), self._surround())
 
     def _drive(self) -> Iterator[None]:

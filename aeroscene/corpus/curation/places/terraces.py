@@ -45,7 +45,7 @@ class Terraces:
     _path: Placed | None = None
 
     def structures(self) -> Iterator[None]:
-        """Terraces with stairs; then their walls, a house on top, a pavilion, a path."""
+        """Grow terraces with stairs; then their walls, a house on top, a pavilion, a path."""
         ground, draw = self.ground, self.ground.draw
         ground.cover("lawn")
         self._raise_terraces()
@@ -137,7 +137,7 @@ class Terraces:
                 below.stand("wall", spot, size, margin=0.0, look=colour)
 
     def details(self) -> Iterator[None]:
-        """Beds, tables and trees on every terrace, benches along the path."""
+        """Grow beds, tables and trees on every terrace, benches along the path."""
         ground = self.ground
         growths = [self._tend(on_top(ground, terrace), terrace) for terrace in self._steps]
         yield from in_turn(self._sit(), *growths, self._front())

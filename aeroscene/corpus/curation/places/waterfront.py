@@ -50,7 +50,7 @@ class Waterfront:
     _boxes: list[Placed] = field(default_factory=list)
 
     def structures(self) -> Iterator[None]:
-        """Quay and water; then jetties, a pavilion, containers, a kiosk, a boathouse."""
+        """Grow quay and water; then jetties, a pavilion, containers, a kiosk, a boathouse."""
         ground, draw = self.ground, self.ground.draw
         half = ground.parcel.width / 2
         self._lay_quay()
@@ -118,7 +118,7 @@ class Waterfront:
             self._jetties.append(jetty)
 
     def details(self) -> Iterator[None]:
-        """Boats first; then goods on the quay, guests, benches that look at the water."""
+        """Grow boats first; then goods on the quay, guests, benches that look at the water."""
         ground = self.ground
         half = ground.parcel.width / 2
         quay = (-half + 0.5, half - 0.5, 1.0, self._edge - 0.5)

@@ -39,7 +39,7 @@ class Yard:
     _side: int = 1
 
     def structures(self) -> Iterator[None]:
-        """Two stacks, then an office, a shelter for goods, more stacks, fences with a gate."""
+        """Grow two stacks, then an office, a shelter for goods, more stacks, fences with a gate."""
         ground, draw = self.ground, self.ground.draw
         look = {"rows": 0, "form": "bays"}
         ground.cover("parking_lot", look)
@@ -103,7 +103,7 @@ class Yard:
             ground.stand("deck", u, 4.7, (3.0, 1.8 * 2, 0.2), turn=0.0, margin=0.02)
 
     def details(self) -> Iterator[None]:
-        """Trucks in the lane, pallets and crates, machines on the office, lights."""
+        """Grow trucks in the lane, pallets and crates, machines on the office, lights."""
         ground = self.ground
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         apron = (-half + 1.0, half - 1.0, 4.0, depth - 2.0)

@@ -142,7 +142,7 @@ def furnish_changing(room: Interior) -> Iterator[None]:
 
 
 def furnish_court(room: Interior) -> Iterator[None]:
-    """Leave a playing field free before rows of seats, with team benches and gear along the walls."""
+    """Leave a playing field free before rows of seats, with team benches and gear at the walls."""
     draw = room.draw
     # Seats of spectators take one long wall, everything else the others.
     stand = room.long_side()

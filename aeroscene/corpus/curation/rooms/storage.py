@@ -57,7 +57,7 @@ def furnish_racks(room: Interior) -> Iterator[None]:
 
 
 def furnish_goods(room: Interior) -> Iterator[None]:
-    """Stand blocks of pallets with lanes between, a van, a packing table, crates and bins in rows."""
+    """Stand blocks of pallets with lanes between, a van, a packing table, crates and bins."""
     draw = room.draw
     # Every fifth pallet is bare, with a box on it.
     for number, (u, v) in enumerate(room.spots(3.9, 1.4, 1.6, is_tight=True)):

@@ -138,7 +138,7 @@ def furnish_workshop(room: Interior) -> Iterator[None]:
 
 
 def furnish_classroom(room: Interior) -> Iterator[None]:
-    """Stand rows of pupils' tables that face the teacher's desk at the back (-x) wall, and shelves."""
+    """Stand rows of pupils' tables that face the teacher's desk at the back (-x) wall; shelves."""
     draw = room.draw
     x, _, _ = room.room.size
     desk = room.put("desk", -x / 2 + 1.5, draw.between(-1.0, 1.0), (0.8, 1.6, 0.75))
