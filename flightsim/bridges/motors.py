@@ -13,7 +13,7 @@ from flightsim.vehicles import Airframe
 
 
 class MotorMap:
-    """Order and greatest speeds of an airframe's rotors."""
+    """Order and greatest speeds of an airframe's rotors, for the outputs of a flight stack."""
 
     def __init__(self, airframe: Airframe) -> None:
         self._motors = airframe.motors

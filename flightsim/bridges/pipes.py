@@ -35,7 +35,10 @@ class Wire(Protocol):
 
 
 class TcpWire:
-    """Connection to a TCP server, such as ArduPilot's SERIAL2."""
+    """Connection to a TCP server, such as ArduPilot's SERIAL2.
+
+    It connects at the first `open` that finds the server, and again after the server has gone.
+    """
 
     def __init__(self, port: int) -> None:
         self._address = ("127.0.0.1", port)
@@ -133,7 +136,11 @@ class UdpWire:
 
 
 class Tap:
-    """One of several readers of a wire; bytes that one of them reads reach all of them."""
+    """One of several readers of a wire; bytes that one of them reads reach all of them.
+
+    It is a `BytePipe` for `MavlinkClient`; sending needs no share, so that goes straight to the
+    wire.
+    """
 
     def __init__(self, wire: Wire, taps: list[Tap]) -> None:
         """Join the readers of a wire.

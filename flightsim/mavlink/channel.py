@@ -158,7 +158,14 @@ class Channel:
             self._reads_little, self._outbox.most_bytes = True, SHORT_BYTES
 
     def receive(self, data: bytes) -> None:
-        """Accept bytes from the partner; datagrams beyond its budget are discarded unread."""
+        """Accept bytes from the partner.
+
+        A partner has a budget of messages. Datagrams beyond it are discarded unread; a stream is
+        read on later instead, since its bytes hang together.
+
+        Args:
+            data: One datagram, or the next piece of a stream.
+        """
         # Unread: parsing would already cost what the budget is there to limit.
         if self._is_datagram and self._budget <= 0:
             self.n_refused_bytes += len(data)
@@ -179,7 +186,14 @@ class Channel:
         return messages
 
     def put_back(self, messages: Sequence[Message]) -> None:
-        """Return messages to the inbox, before all that come after them, to be taken later."""
+        """Return messages to the inbox, before all that come after them, to be taken later.
+
+        A client that keeps the time in lockstep sends commands for later ticks, which must wait for
+        them.
+
+        Args:
+            messages: Messages that were taken, in their order.
+        """
         self._inbox = [*messages, *self._inbox]
 
     def _collect(self) -> None:

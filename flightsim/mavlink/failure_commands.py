@@ -36,7 +36,10 @@ Unit = tuple[frozenset[Failure], Callable[[Failure], None]]
 
 
 class FailureCommands:
-    """Executes MAV_CMD_INJECT_FAILURE if SYS_FAILURE_EN allows it, as in PX4."""
+    """Executes MAV_CMD_INJECT_FAILURE if SYS_FAILURE_EN allows it, as in PX4.
+
+    Sensors, motors, the battery and links can fail, each instance in the ways that its part has.
+    """
 
     def __init__(self, view: VehicleView, statustext: StatustextSender) -> None:
         self._view = view

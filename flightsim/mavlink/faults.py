@@ -35,7 +35,13 @@ class Faults:
         self._told: set[tuple[int, ...]] = set()
 
     def attempt(self, work: Callable[[], None]) -> None:
-        """Do a piece of work, guarded like any other; for work of each tick."""
+        """Do a piece of work, guarded like any other; for work of each tick.
+
+        An error is caught and reported, so that the flight goes on.
+
+        Args:
+            work: Function to call.
+        """
         try:
             work()
         except Exception as error:  # noqa: BLE001 - whatever it is, the flight goes on

@@ -94,7 +94,11 @@ class FileService:
         return self._sessions
 
     def update(self, channel: Channel) -> None:
-        """Continue the bursts of a partner, by at most 8 chunks a tick for each file."""
+        """Continue the bursts of a partner, by at most 8 chunks a tick for each file.
+
+        A burst sends a file without being asked for each chunk; all at once it would block the
+        link.
+        """
         for session in self._sessions[channel].values():
             for _ in range(_CHUNKS_PER_TICK):
                 burst = session.burst

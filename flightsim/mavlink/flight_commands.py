@@ -98,7 +98,14 @@ class FlightCommands:
         return reply
 
     def set_current_item(self, sequence: int) -> Reply:
-        """Continue the mission at an item, by its number on the wire."""
+        """Continue the mission at an item.
+
+        Args:
+            sequence: Number of the item on the wire, which for ArduPilot counts home.
+
+        Returns:
+            Acceptance, or a denial if there is no such item.
+        """
         return self._autopilot.set_current_mission_item(self._index(sequence))
 
     # --- arming and modes ---

@@ -34,7 +34,11 @@ _UNKNOWN_SATELLITES = 255
 
 
 class GpsInputService:
-    """Passes fixes on; one that is incomplete or out of range is dropped whole, with a text."""
+    """Passes fixes on to the vehicle's estimator.
+
+    A fix that is incomplete or out of range is dropped whole, with a text that says why. Once fixes
+    stop, the vehicle's own receiver comes back.
+    """
 
     def __init__(self, view: VehicleView, statustext: StatustextSender, hint: str) -> None:
         """Serve a vehicle.

@@ -7,5 +7,14 @@ _LENGTH = 18
 
 
 def hardware_uid(system_id: int) -> bytes:
-    """Return the serial number of a vehicle's board (18 bytes), the same in each of its runs."""
+    """Return the serial number of a vehicle's board, the same in each of its runs.
+
+    Ground stations know a vehicle again by it.
+
+    Args:
+        system_id: System id of the vehicle.
+
+    Returns:
+        18 bytes.
+    """
     return b"AeroScene" + system_id.to_bytes(_LENGTH - len(b"AeroScene"), "big")

@@ -66,7 +66,10 @@ _USUAL = "this vehicle does not use it"
 
 
 class IgnoredMessages:
-    """Says why messages are ignored; its memory is bounded by the number of message types."""
+    """Notices to clients whose messages are ignored.
+
+    Each client gets one for each kind of message, so its memory is bounded by the number of kinds.
+    """
 
     def __init__(self, statustext: StatustextSender) -> None:
         self._statustext = statustext

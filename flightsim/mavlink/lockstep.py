@@ -60,7 +60,10 @@ class Lockstep:
             acknowledge(grant, ACCEPTED)
 
     def forget(self, channel: Channel) -> None:
-        """End the lockstep if the partner that left kept the time."""
+        """End the lockstep if the partner that left kept the time; the run then ends.
+
+        A client that had released the time before it left does not end the run.
+        """
         if channel is self._keeper:
             self._keeper = self._grant = None
             self._n_left = 0

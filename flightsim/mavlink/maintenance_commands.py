@@ -37,7 +37,11 @@ _REBOOT = 1
 
 
 class MaintenanceCommands:
-    """Executes commands of maintenance, which an armed vehicle refuses."""
+    """Executes commands of maintenance, which an armed vehicle refuses.
+
+    Our sensors need no calibration. One at rest is accepted and reported as done; one by hand is
+    denied.
+    """
 
     def __init__(self, view: VehicleView, statustext: StatustextSender) -> None:
         self._autopilot = view.autopilot

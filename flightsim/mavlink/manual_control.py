@@ -16,7 +16,11 @@ _PWM_RELEASED, _PWM_KEPT = 0, 0xFFFF
 
 
 class ManualControlService:
-    """Passes stick positions to the autopilot, which checks their age."""
+    """Passes stick positions to the autopilot, which checks their age.
+
+    They come as axes (MANUAL_CONTROL) or as pulse widths of a remote control
+    (RC_CHANNELS_OVERRIDE).
+    """
 
     def __init__(self, view: VehicleView, system_id: int) -> None:
         self._view = view

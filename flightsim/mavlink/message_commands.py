@@ -44,7 +44,14 @@ class MessageCommands:
         }
 
     def request(self, c: Command) -> Reply:
-        """Send the message that parameter 1 names; denied if the component does not have it."""
+        """Send the message that a MAV_CMD_REQUEST_MESSAGE asks for.
+
+        Args:
+            c: Command, whose first parameter is the message's id.
+
+        Returns:
+            Acceptance, or a denial if the component does not have the message.
+        """
         message_id = choice(c.param1)
         return DENIED if message_id is None else self.send_once(c.channel, message_id)
 

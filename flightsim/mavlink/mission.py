@@ -55,7 +55,14 @@ class ItemStore(Protocol):
         ...
 
     def replace(self, items: Iterable[MissionItem]) -> None:
-        """Replace the items, or raise `MissionError` and keep the present ones."""
+        """Replace the items.
+
+        Args:
+            items: All new items.
+
+        Raises:
+            MissionError: If one cannot be used; the present items remain.
+        """
         ...
 
 
@@ -107,7 +114,10 @@ class MissionService:
         return {upload.channel for upload in self._uploads.values()} if self._uploads else ()
 
     def update(self, channel: Channel) -> None:
-        """Repeat requests to a partner; abandon its uploads if it is silent."""
+        """Repeat requests to a partner; abandon its uploads if it is silent.
+
+        An abandoned upload changes nothing: the items before it remain.
+        """
         for mission_type, upload in list(self._uploads.items()):
             if upload.channel is not channel:
                 continue

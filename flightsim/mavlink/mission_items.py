@@ -33,7 +33,11 @@ _RESULT_OF_FAULT = {
 
 
 def result_of(error: MissionError) -> int:
-    """Return the MAV_MISSION_RESULT for an error of the autopilot."""
+    """Return the MAV_MISSION_RESULT for an error of the autopilot.
+
+    Args:
+        error: Error, whose parameter, if it has one, decides on the result.
+    """
     if error.fault is MissionFault.INVALID_PARAM:
         if error.param is None:
             return mav.MAV_MISSION_INVALID
@@ -42,7 +46,14 @@ def result_of(error: MissionError) -> int:
 
 
 def scale_of(frame: int) -> float:
-    """Return the units of x and y in integer messages, per degree or metre of a frame."""
+    """Return the factor from degrees or metres to the integers of a message.
+
+    Args:
+        frame: MAV_FRAME of the item.
+
+    Returns:
+        1e7 for degrees, 1e4 for metres of a local frame, 1 for numbers without a place.
+    """
     if frame in GEODETIC_FRAMES:
         return 1e7
     return 1e4 if frame in _LOCAL_FRAMES else 1.0
@@ -80,7 +91,11 @@ def check_frames(items: Iterable[MissionItem]) -> None:
 
 
 def item_from_message(message: Message) -> MissionItem:
-    """Return the item of a MISSION_ITEM_INT or of the older MISSION_ITEM."""
+    """Return the item that a message carries.
+
+    Args:
+        message: A MISSION_ITEM_INT, or the older MISSION_ITEM, whose coordinates are floats.
+    """
     is_int = message.get_type() == "MISSION_ITEM_INT"
     frame = message.frame
     return MissionItem(

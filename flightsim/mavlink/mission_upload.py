@@ -83,7 +83,11 @@ class Upload:
         return channel is self.channel and message.mission_type == self.mission_type
 
     def receive(self, message: Message) -> None:
-        """Store the item if it is the requested one, and request the next."""
+        """Store the item if it is the requested one, and request the next.
+
+        Args:
+            message: An item; a second copy of an earlier one is left out.
+        """
         self._last_heard_s = self.channel.clock()
         if message.seq != self._expected:
             return  # a late copy: the pending request is repeated if necessary

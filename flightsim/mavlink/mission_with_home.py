@@ -16,7 +16,10 @@ _GLOBAL = 0
 
 
 class MissionWithHome:
-    """The autopilot's mission with home before it; an uploaded home is not kept."""
+    """The autopilot's mission with home before it, as ArduPilot's clients expect it.
+
+    An uploaded home is not kept; it is always the vehicle's own.
+    """
 
     def __init__(self, autopilot: Autopilot) -> None:
         self._autopilot = autopilot

@@ -17,7 +17,10 @@ _PWM_LEAST, _PWM_SPAN = 1000.0, 1000.0  # pulses of 1,000 to 2,000 us are a thro
 
 
 class MotorCommands:
-    """Executes motor tests, with motors numbered as the flight stack numbers them."""
+    """Executes motor tests, with motors numbered as the flight stack numbers them.
+
+    PX4 counts them by their outputs, ArduPilot's default order goes clockwise from the front.
+    """
 
     def __init__(self, view: VehicleView, personality: Personality) -> None:
         self._autopilot = view.autopilot

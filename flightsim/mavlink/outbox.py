@@ -58,7 +58,11 @@ class Outbox:
         self._n_bytes = 0
 
     def put(self, frames: bytes) -> None:
-        """Queue frames that share a datagram: one, or some that are no longer than `most_bytes`."""
+        """Queue frames that share a datagram.
+
+        Args:
+            frames: One frame, or several one after the other that are no longer than `most_bytes`.
+        """
         if self._is_datagram and self._n_bytes + len(frames) > self.most_bytes and self._frames:
             # No more wait: the oldest would come late, and the memory would grow.
             if len(self._full) + 1 == MOST_WAITING:

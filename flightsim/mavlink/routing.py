@@ -23,7 +23,11 @@ Address = tuple[int, int]
 
 
 class Router:
-    """Knows which systems were heard behind each partner, and forwards messages to the others."""
+    """Forwards messages between partners, as an autopilot with several links does.
+
+    It remembers which systems were heard behind each partner. A message with a target goes to the
+    partners behind which that is, one without a target to all others.
+    """
 
     def __init__(self, partners: Partners, own: Address) -> None:
         """Route between all present partners.

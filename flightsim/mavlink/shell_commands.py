@@ -16,7 +16,7 @@ _MODES = {mode.value.lower(): mode for mode in Mode if mode not in {Mode.DESCEND
 
 
 class ShellCommands:
-    """Executes one line at a time."""
+    """Executes lines of a shell, one at a time, in the manner of PX4's console."""
 
     def __init__(self, view: VehicleView) -> None:
         self._view = view

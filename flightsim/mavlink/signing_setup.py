@@ -19,7 +19,10 @@ from flightsim.mavlink.statustext import StatustextSender
 
 
 class SigningSetup:
-    """Sets the key that all links sign with."""
+    """Sets the key that all links sign with, when a client sends one.
+
+    A key over a network is refused, since others could read it, and so is one to an armed vehicle.
+    """
 
     def __init__(
         self, signing: Signing, autopilot: Autopilot, statustext: StatustextSender

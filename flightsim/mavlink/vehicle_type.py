@@ -19,12 +19,20 @@ _AUTOSTART = {6: 6001, 8: 8001}
 
 
 def vehicle_type(airframe: Airframe) -> int:
-    """Return the value of MAV_TYPE; a generic one for numbers of rotors without a type."""
+    """Return the value of MAV_TYPE for a vehicle.
+
+    Args:
+        airframe: Vehicle; a number of rotors without a type of its own has the generic one.
+    """
     return _TYPES.get(len(airframe.quadrotor.rotors), mav.MAV_TYPE_GENERIC_MULTIROTOR)
 
 
 def vehicle_parameters(airframe: Airframe) -> Mapping[str, float]:
-    """Return the parameters that state the type of the vehicle, as clients read them."""
+    """Return the parameters that state the type of the vehicle, as clients read them.
+
+    Args:
+        airframe: Vehicle; SYS_AUTOSTART is set for six and eight rotors alone.
+    """
     n = len(airframe.quadrotor.rotors)
     parameters: dict[str, float] = {"MAV_TYPE": vehicle_type(airframe)}
     if n in _AUTOSTART:

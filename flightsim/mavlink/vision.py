@@ -37,7 +37,10 @@ _FAILED = -1  # quality of an ODOMETRY that reports its own failure
 
 
 class VisionService:
-    """Passes poses on; one that is not a number or out of range is dropped whole, with a text."""
+    """Passes poses and velocities of companions on to the vehicle's estimator.
+
+    One that is not a number or out of range is dropped whole, with a text that says why.
+    """
 
     def __init__(
         self, view: VehicleView, statustext: StatustextSender, switch: tuple[str, int]

@@ -181,7 +181,11 @@ class TestbenchCfg:
 
     @property
     def wind_cfg(self) -> WindCfg:
-        """Wind of these settings."""
+        """Wind of these settings.
+
+        Raises:
+            WindError: If it is invalid.
+        """
         return WindCfg(
             speed_mps=self.wind,
             from_deg=self.wind_from,
@@ -191,22 +195,38 @@ class TestbenchCfg:
 
     @property
     def traffic_cfg(self) -> TrafficCfg:
-        """Traffic of these settings."""
+        """Traffic of these settings.
+
+        Raises:
+            TrafficError: If it is invalid.
+        """
         return TrafficCfg.parse(self.traffic, self.seed)
 
     @property
     def timed_failures(self) -> tuple[TimedFailure, ...]:
-        """Failures in flight of these settings."""
+        """Failures in flight of these settings.
+
+        Raises:
+            TimedFailureError: If one is invalid.
+        """
         return parse_failures(self.fail, len(airframe_by_name(self.vehicle).motors))
 
     @property
     def effects(self) -> Effects:
-        """Effects of the physics that these settings leave in."""
+        """Effects of the physics that these settings leave in.
+
+        Raises:
+            EffectError: If there is no effect of a name.
+        """
         return Effects.without(self.without)
 
     @property
     def camera_size_px(self) -> tuple[int, int]:
-        """Width and height of the cameras' images, in pixels."""
+        """Width and height of the cameras' images, in pixels.
+
+        Raises:
+            TestbenchError: If they are no size, or out of range.
+        """
         parts = self.camera_size.split("x")
         # `isdecimal` admits no sign, no space and no underscore, all of which int() takes.
         is_size = len(parts) == 2 and all(part.isdecimal() for part in parts)
@@ -220,7 +240,11 @@ class TestbenchCfg:
 
     @property
     def serial_line(self) -> SerialLine | None:
-        """Serial device of these settings, if there is one."""
+        """Serial device of these settings, if there is one.
+
+        Raises:
+            TestbenchError: If its speed is unknown.
+        """
         try:
             return SerialLine.parse(self.serial) if self.serial else None
         except LinkError as error:
@@ -228,7 +252,11 @@ class TestbenchCfg:
 
     @property
     def out_addresses(self) -> tuple[OutAddress, ...]:
-        """Addresses to which the vehicle speaks first."""
+        """Addresses to which the vehicle speaks first.
+
+        Raises:
+            TestbenchError: If one is no address, or its host is unknown.
+        """
         try:
             return tuple(map(OutAddress.parse, self.out))
         except LinkError as error:
@@ -236,7 +264,11 @@ class TestbenchCfg:
 
     @property
     def signing(self) -> Signing:
-        """Signing of the network and serial links, with the key of these settings, if any."""
+        """Signing of the network and serial links, with the key of these settings, if any.
+
+        Raises:
+            TestbenchError: If the file of the key holds none.
+        """
         try:
             return Signing(read_key(self.signing_key) if self.signing_key else None)
         except SigningKeyError as error:

@@ -105,7 +105,11 @@ class Vehicle:
 
     @property
     def own(self) -> OwnStack:
-        """Our own flight stack: autopilot, payload and MAVLink."""
+        """Our own flight stack: autopilot, payload and MAVLink.
+
+        Raises:
+            TestbenchError: If another one flies.
+        """
         if self._own is None:
             raise TestbenchError(f"{self.cfg.autopilot} flies; valid: autopilot builtin")
         return self._own

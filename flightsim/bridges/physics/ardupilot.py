@@ -47,7 +47,10 @@ _STATE = (
 
 
 class ArduPilotBridge:
-    """Physics server for one ArduPilot; it answers the latest sender."""
+    """Physics server for one ArduPilot; it answers the latest sender.
+
+    It is a `Bridge`. An ArduPilot that begins anew is known by its count, which starts again.
+    """
 
     def __init__(self, instance: int) -> None:
         """Listen on the port of an instance.

@@ -32,7 +32,11 @@ _OFF: MotorOutputs = (0.0, 0.0, 0.0, 0.0)
 
 
 class Px4Bridge:
-    """Simulator for one PX4; while it answers, a second connection is refused."""
+    """Simulator for one PX4; while it answers, a second connection is refused.
+
+    It is a `Bridge`. A PX4 that connects again after it was lost has begun anew, and goes on in the
+    same run.
+    """
 
     def __init__(self, instance: int, frame: LocalFrame) -> None:
         """Listen on the port of an instance.

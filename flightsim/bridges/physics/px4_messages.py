@@ -43,7 +43,10 @@ _UNKNOWN_DISTANCE_M = -1.0
 
 
 class SensorMessages:
-    """Builder of the frames of a tick; HIL_SENSOR comes last, since it lets PX4's time pass."""
+    """Builder of the frames of a tick.
+
+    HIL_SENSOR comes last, since it lets PX4's time pass; all others are then there already.
+    """
 
     def __init__(self, frame: LocalFrame) -> None:
         self._frame = frame

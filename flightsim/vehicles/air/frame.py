@@ -47,6 +47,7 @@ def _arm(airframe: Airframe, hub_flu_m: np.ndarray) -> np.ndarray:
     # A hub on an axis never leaves the box sideways: infinity is right there.
     with np.errstate(divide="ignore"):
         inside = min(1.0, float(np.min(half_m / across_m)))
+    # Arms count as level; a hub above them sits on its motor.
     arm_m = np.array([*hub_flu_m[:2], 0.0]) * (1.0 - inside)
     side_m2 = 2.0 * airframe.motor_radius_m * max(float(hub_flu_m[2]), 0.0)
     motor_m2 = _SHORT_BAR_DRAG_COEFFICIENT * np.array([side_m2, side_m2, 0.0])

@@ -23,8 +23,8 @@ from autonomy.jit import kernel
 
 GROUND_REACH = 10.0
 """Height in rotor radii beyond which the effect, below 1%, is left out."""
-_BODY_LIFT = 2.0
-_LEAST_HEIGHT = 0.5
+_BODY_LIFT = 2.0  # K_b above
+_LEAST_HEIGHT = 0.5  # least z over R
 
 
 @kernel

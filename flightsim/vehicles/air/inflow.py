@@ -45,6 +45,7 @@ def induced_ratio(x: float, square_y: float) -> float:
         square_y: Velocity across the axis over the same, squared.
     """
     f = _momentum_ratio(x, square_y)
+    # In climb momentum theory holds alone.
     if x >= 0.0:
         return f
     straight = 1.0 / (1.0 + square_y)

@@ -42,29 +42,45 @@ def hover_power_w(quadrotor: QuadrotorParams, radius_m: float, efficiency: float
 
 
 def rotor_inertia_kgm2(quadrotor: QuadrotorParams, radius_m: float) -> float:
-    """Moment of inertia of a rotor about its axis, kg m^2."""
+    """Return the moment of inertia of a rotor about its axis, kg m^2: that of a rod, m d^2 / 12.
+
+    Args:
+        quadrotor: Vehicle, whose mass gives that of a propeller.
+        radius_m: Radius of a rotor, half of the rod.
+    """
     return _PROPELLER_MASS * quadrotor.mass_kg * (2.0 * radius_m) ** 2 / 12.0
 
 
 def rotor_imbalance_kgm(quadrotor: QuadrotorParams) -> float:
-    """Imbalance of a rotor, kg m."""
+    """Return the imbalance of a rotor, kg m.
+
+    A balance grade G is the speed e w of the centre of mass, so the imbalance is G m / w at hover
+    speed.
+    """
     return _BALANCE_MPS / quadrotor.hover_speed_radps * _ROTOR_MASS * quadrotor.mass_kg
 
 
 def rotor_friction_nm(quadrotor: QuadrotorParams) -> float:
-    """Friction of a motor, N m: a share of the least torque in hover."""
+    """Return the friction of a motor, N m: a share of the least torque in hover."""
     least_m = min(rotor.torque_per_thrust_m for rotor in quadrotor.rotors)
     thrust_n = quadrotor.mass_kg * GRAVITY_MPS2 / len(quadrotor.rotors)
     return _FRICTION * least_m * thrust_n
 
 
 def reach_m(quadrotor: QuadrotorParams) -> float:
-    """Greatest horizontal distance of a hub from the centre of mass, m."""
+    """Return the greatest horizontal distance of a hub from the centre of mass, m."""
     return max(math.hypot(*rotor.position_flu_m[:2]) for rotor in quadrotor.rotors)
 
 
 def drone_class(collision_radius_m: float) -> DroneClass | None:
-    """Smallest class whose areas have room for a vehicle; None if none has."""
+    """Return the smallest class whose areas have room for a vehicle.
+
+    Args:
+        collision_radius_m: Radius of the upright cylinder around the vehicle.
+
+    Returns:
+        The class; None if the vehicle is too large for any.
+    """
     for name in ("small", "medium", "large"):
         if collision_radius_m <= NEEDS[name].flight_radius_m - _SCATTER_M:
             return name
@@ -72,5 +88,5 @@ def drone_class(collision_radius_m: float) -> DroneClass | None:
 
 
 def largest_radius_m() -> float:
-    """Greatest radius of a vehicle that has a class, m."""
+    """Return the greatest radius of a vehicle that has a class, m."""
     return NEEDS["large"].flight_radius_m - _SCATTER_M

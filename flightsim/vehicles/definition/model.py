@@ -76,6 +76,7 @@ def read_model(body: Fields, folder: Path) -> NamedBody | None:
 
 def _position(table: Fields, mass: BodyMass | None) -> Vector3:
     """Place of the file's origin: by default its centre of mass becomes the vehicle's."""
+    # The file's origin lies opposite to its centre of mass, which then is the vehicle's.
     fitting_m = np.zeros(3) if mass is None else -mass.centre_m
     x, y, z = table.vector(
         "position_m", 3, -_FARTHEST_M, _FARTHEST_M, "m", default=tuple(fitting_m.tolist())
@@ -114,6 +115,7 @@ def read_mass(body: Fields, named: NamedBody | None) -> tuple[float, Vector3]:
         ixx, iyy, izz = moments
     if mass is not None and moments is not None:
         _check_same(body, "mass_kg", [mass_kg], [mass.mass_kg])
+        # Both may be stated if they agree, so a file can be exchanged without a silent change.
         _check_same(body, "inertia_kgm2", [ixx, iyy, izz], moments)
     return mass_kg, (ixx, iyy, izz)
 
@@ -157,13 +159,16 @@ def check_extent(body: Fields, named: NamedBody | None, radius_m: float, height_
         AirframeError: If they do.
     """
     if named is None or not named.model.hits_things:
+        # A body that is only drawn may be of any size.
         return
     for part in named.content.solids:
         corners_m = part.corners_m + named.model.position_flu_m
         reach_m, low_m = np.hypot(*corners_m.T[:2]).max(), corners_m[:, 2].min()
+        # A part at the soles' height would stand on the ground instead of the legs.
         if reach_m > radius_m or low_m <= -height_m:
             body.fail(
                 "model",
+                # Without MuJoCo's prefix mjGEOM_.
                 f"has a solid {part.shape.name[7:].lower()} that reaches {reach_m:.3g} m aside and "
                 f"{-low_m:.3g} m down; valid: {radius_m:.3g} m, the rotors' tips, and less than "
                 f"{height_m:.3g} m, the soles",

@@ -53,6 +53,7 @@ def read_gear(document: Fields, quadrotor: QuadrotorParams) -> Gear:
     if not legs.has("feet_m"):
         spread_m = legs.number("spread_m", 0.005, _FARTHEST_M, "m")
         legs.check_all_known()
+        # Without places of its own a leg stands below each arm.
         bearings = [math.atan2(r.position_flu_m[1], r.position_flu_m[0]) for r in quadrotor.rotors]
         feet = [(spread_m * math.cos(b), spread_m * math.sin(b)) for b in bearings]
         _check_steady(legs, "spread_m", feet, height_m)
@@ -70,6 +71,7 @@ def _skids(skids: Fields) -> Gear:
     length_m = skids.number("length_m", 0.01, _FARTHEST_M, "m")
     spacing_m = skids.number("spacing_m", 0.01, _FARTHEST_M, "m")
     skids.check_all_known()
+    # A skid bears at its two ends.
     x, y = length_m / 2, spacing_m / 2
     feet = ((x, y), (-x, y), (x, -y), (-x, -y))
     _check_steady(skids, "spacing_m", feet, height_m)
@@ -151,6 +153,7 @@ def read_cameras(
         AirframeError: Naming the first field that is wrong.
     """
     length_m, _, thickness_m = size_m
+    # Just ahead of the nose, so the body is out of view.
     ahead_m = (0.6 * length_m, 0.0, 0.0)
     below_m = (0.2 * length_m, 0.0, -min(0.65 * thickness_m, 0.8 * height_m))
     above_m = (0.0, 0.0, max(thickness_m / 2, rotors_m) + _MAST_M)

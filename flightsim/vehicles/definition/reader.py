@@ -96,6 +96,7 @@ def _rigid_body(
         inertia_flu_kgm2=(ixx, iyy, izz),
         rotors=rotor_set.rotors,
     )
+    # Moments of inertia m r^2, with r a share of the longest arm.
     least, most = (
         (factor * derived.reach_m(quadrotor)) ** 2 * quadrotor.mass_kg for factor in _GYRATION
     )

@@ -81,6 +81,7 @@ def _rotor(own: Fields, shared: Fields) -> RotorParams:
     spin = own.word("spin", tuple(_SPINS))
     axis = own.vector("axis", 3, -1.0, 1.0, default=(0.0, 0.0, 1.0))
     length = math.hypot(*axis)
+    # A half is the cosine of 60 degrees.
     if length == 0.0 or axis[2] < 0.5 * length:
         own.fail("axis", f"is {list(axis)}; valid: [x, y, z] within 60 degrees of up")
     # A rotor's own table may override any of the common values.
@@ -98,6 +99,7 @@ def _rotor(own: Fields, shared: Fields) -> RotorParams:
         drag_coefficient=both.number("drag_coefficient", 0.0, 0.1, default=0.0),
         rolling_moment_coefficient=both.number("rolling_moment_coefficient", 0.0, 0.1, default=0.0),
     )
+    # Fields that were read by way of both tables count as known in each.
     for table in (own, shared):
         table.know_as(both)
     own.check_all_known()
