@@ -37,7 +37,7 @@ def test_the_testbench_is_a_command_among_the_others():
 
 def test_a_terminal_that_lacks_our_letters_prints_others():
     env = os.environ | {"PYTHONIOENCODING": "latin-1"}
-    stats = ["-m", "aeroscene", "dataset", "stats", "--scenes", "0:3"]
+    stats = ["-m", "aeroscene", "dataset", "stats", "--scenes", "0:3", "--jobs", "1"]
     for command in (["-m", "aeroscene", "--help"], stats):
         done = subprocess.run([sys.executable, *command], env=env, capture_output=True, check=False)
         assert (done.returncode, done.stderr) == (0, b"")

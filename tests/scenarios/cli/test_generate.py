@@ -65,8 +65,8 @@ def refused(capsys, out, *args):
 
 
 def test_same_seeds_give_the_same_scenes_whatever_their_number(tmp_path, capsys):
-    one, two = tmp_path / "one", tmp_path / "two"
-    status, text, errors = run(capsys, "--seed", 5, "--count", 2, "--out", one, "--json")
+    one, two, small = tmp_path / "one", tmp_path / "two", ("--objects", 60)
+    status, text, errors = run(capsys, "--seed", 5, "--count", 2, "--out", one, *small, "--json")
     assert (status, errors) == (0, "")
     facts = json.loads(text)
     assert facts["scenes"] == [
@@ -77,7 +77,7 @@ def test_same_seeds_give_the_same_scenes_whatever_their_number(tmp_path, capsys)
     assert facts["failed"] == []
     assert set(facts["stages"]) == {"sampled", "feasible"}
     assert facts["stages"]["feasible"]["collision_rate"] < 0.01
-    assert run(capsys, "--seed", 6, "--out", two)[0] == 0
+    assert run(capsys, "--seed", 6, "--out", two, *small)[0] == 0
     name = "aeroscene-0006.json"
     assert (one / name).read_bytes() == (two / name).read_bytes()
     scene = read_scene(one / name)
@@ -170,7 +170,7 @@ def test_scenes_are_of_the_theme_that_was_asked_for_beside_other_wishes(tmp_path
 
 
 def test_a_park_has_land_unless_it_is_to_be_flat(tmp_path, capsys):
-    wishes = ("--seed", 3, "--domain", "outdoor", "--theme", "park", "--density", 0.3)
+    wishes = ("--seed", 3, "--domain", "outdoor", "--theme", "park", "--objects", 60)
     for folder, option in (("land", ()), ("flat", ("--no-relief",))):
         assert run(capsys, "--out", tmp_path / folder, *wishes, *option)[0] == 0
     land, flat = (read_scene(tmp_path / name / "aeroscene-0003.json") for name in ("land", "flat"))

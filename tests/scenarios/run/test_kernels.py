@@ -99,6 +99,7 @@ def test_the_first_scene_compiles_nothing(tmp_path):
     python("-c", ARRANGE, **cache)
     kept = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")}
     assert len(kept) == 8  # an index and the code of each of four
-    scenes = ("--seed", "42", "--count", "2", "--steps", "4", "--out", str(tmp_path / "scenes"))
+    scenes = ("--seed", "42", "--count", "2", "--objects", "60", "--steps", "4")
+    scenes += ("--out", str(tmp_path / "scenes"))
     python("-m", "aeroscene", "generate", *scenes, **cache)
     assert {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nb?")} == kept
