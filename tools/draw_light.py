@@ -31,9 +31,9 @@ LIGHTS: tuple[tuple[str, Season], ...] = (
     ("rain", "spring"),
     ("11:00, snow", "winter"),
 )
-WIDTH_PX, HEIGHT_PX = 400, 280
+WIDTH_PX, HEIGHT_PX = 320, 224
 _CAPTION_PX = 18
-_QUALITY = 88
+_QUALITY = 85
 
 
 @dataclass(frozen=True, kw_only=True)
