@@ -4,7 +4,7 @@
 
     symbol  name                                                                      unit
     c_i     category of object i                                                      -
-    d_ih    distance in the plane from i to h, bins of `aeroscene.metrics.neighbours` -
+    d_ih    distance in the plane from i to h, in the bins of `neighbours`            -
     b_ih    bearing of h as seen from i: 0 is straight ahead, in eighths              -
     t_ih    heading of h relative to that of i, in eighths                            -
     h       the most informative of the eight nearest neighbours: least entropy of b, t

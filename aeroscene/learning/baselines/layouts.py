@@ -1,11 +1,11 @@
 """Scenes as flat layouts, the form that all baselines learn: a set of boxes with categories.
 
-    channels  name                                      unit
-    0, 1, 2   centre, along the axes of the site and up standardised
-    3, 4, 5   logarithms of full extents                standardised
-    6, 7      cosine and sine of the yaw                -
-    8 to 77   category, one-hot                         -1 or 1
-    78        no object                                 -1 or 1
+    channels  name                                        unit
+    0, 1, 2   centre, along the axes of the site and up   standardised
+    3, 4, 5   logarithms of full extents                  standardised
+    6, 7      cosine and sine of the yaw                  -
+    8 to 77   category, one-hot                           -1 or 1
+    78        no object                                   -1 or 1
 
 A layout has as many slots as the largest training scene has objects; the other slots say that they
 are empty. Tilts are left out: 13 of 24,563 objects of 3D-FRONT tilt. Order and frame of the objects

@@ -82,9 +82,8 @@ class LossCfg:
     is_stratified: bool = True
     """True spreads a batch's times evenly; the paper draws each on its own."""
     small_noise_share: Annotated[float, Range(0.0, 1.0)] = 0.0
-    """Share of the times at which log sigma is uniform, see `Schedule.draw_time`: a place is
-    learned to centimetres where there is little noise, of which uniform times have little; the
-    paper: 0."""
+    """Share of the times at which log sigma is uniform, see `Schedule.draw_time`. A place is
+    learned to centimetres at low noise, of which uniform times have little; the paper: 0."""
     log_snr_mean: float | None = None
     """Mean of the log signal-to-noise ratio of a normal distribution that times are drawn by; None
     draws them evenly. Where the noise is below a tenth of a spread nearly all of it cannot be told
@@ -92,11 +91,11 @@ class LossCfg:
     log_snr_spread: Annotated[float, Range(0.0, is_above=True)] = 2.0
     """Spread of that distribution."""
     log_snr_even_share: Annotated[float, Range(0.0, 1.0)] = 0.0
-    """Share of the times that is even over the log ratio instead: without any, no network is
+    """Share of the times that is even over the log ratio instead. Without any, no network is
     trained where sampling begins and ends, and it is worse there than a formula."""
     coarse_weight: Annotated[float, Range(0.0)] = 1.0
-    """How many times more than a fine token's a coarse token's error counts: everything stands on
-    or in coarse objects, so their errors move all that they carry."""
+    """Weight of a coarse token's error relative to a fine token's. Everything stands on or in
+    coarse objects, so their errors move all that they carry."""
     guide_weight: Annotated[float, Range(0.0)] = 0.0
     """The paper's lambda_guide, which it leaves open."""
     guide_scenes: Annotated[int | None, Range(1)] = None

@@ -1,7 +1,7 @@
 """Numbers that come back exactly: a door is 2.35 or 2.85 m high, and nothing between.
 
-A diffusion model blurs such numbers. Therefore a drawn number near an atom is put on it. The reach
-of an atom is as large as training has little else around it.
+A diffusion model blurs such numbers. Therefore a drawn number near an atom is put on it. An atom
+reaches as far as training has little else around it.
 
     symbol  meaning                                                                       value
     a       an atom: a value that a channel of a group has exactly, and often             -

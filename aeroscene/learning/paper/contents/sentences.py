@@ -10,7 +10,7 @@ objects for each coarse one whose category holds any, in their order, and a last
     4C           END of a list
     4C + 1 ...   bins of a half extent
 
-Bins are even in the logarithm, since sites go from a room to a district.
+Bins are even in the logarithm, because layouts range from single rooms to large sites.
 """
 
 from __future__ import annotations

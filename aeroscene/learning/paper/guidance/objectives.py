@@ -1,9 +1,9 @@
 """The paper's guidance: the gradients of three objectives move the denoising mean.
 
-    symbol               name                                                    unit
-    L_col, L_c2f, L_sem  the objectives                                          -
-    g_k                  gradient of one of them by place and heading of objects 1/m
-    eta_0                step                                                    m
+    symbol               name                                                       unit
+    L_col, L_c2f, L_sem  the objectives                                             -
+    g_k                  gradient of one of them by place and heading of an object  1/m
+    eta_0                step                                                       m
 
 Deviations from the paper's equations 21 to 23, with their reasons:
 
