@@ -70,16 +70,17 @@ def _clearings(
     points = np.asarray(shapely.points(places))
     away_m = _nearest_m(level, points)
     room_m = _nearest_m([*level, *things, *(lawn.exterior for lawn in lawns)], points)
+    # The nearest to level ground come first.
     wide = np.flatnonzero(room_m >= CLEARING_M)
     wide = wide[np.argsort(away_m[wide], kind="stable")]
     n_left = _MOST_CLEARINGS
     for lawn in sorted(lawns, key=lambda each: -each.area):
         inside = places[wide[shapely.intersects(lawn, points[wide])]]
-        # Farther apart than their width, so that two clearings are two places to land.
         for _ in range(min(n_left, 2 if lawn.area > _WIDE_LAWN_M2 else 1)):
             if len(inside):
                 n_left -= 1
                 yield shapely.Point(inside[0]).buffer(CLEARING_M)
+                # Farther apart than their width, so that two clearings are two places to land.
                 inside = inside[np.hypot(*(inside - inside[0]).T) >= _APART_M]
 
 

@@ -79,6 +79,7 @@ def _relief(scene: Scene, manner: LandManner, rng: np.random.Generator) -> Relie
     scale = rng.uniform(0.6, 1.0)
     away_m = _away_m(scene, x, y, spacing_m)
     most_m = _most_m(scene, manner, x, y)
+    # Some land of every site lies low, as a share of what the manner allows.
     top_m = scale * most_m * (_LOWEST + (1.0 - _LOWEST) * swell)
     heights = top_m * np.tanh(bank * (np.hypot(away_m, _FOOT_M) - _FOOT_M) / top_m)
     inward_m = _inward_m(away_m, spacing_m)
@@ -98,6 +99,7 @@ def _grid(scene: Scene) -> tuple[tuple[float, float], float, tuple[int, int]]:
     """South-west node, spacing and shape of a grid over a flight volume and the land around it."""
     low, high = (np.array(c[:2]) for c in (scene.extent_min_enu_m, scene.extent_max_enu_m))
     sides_m = high - low + 2 * _AROUND_M
+    # Whole halves of a metre; large sites get wider cells rather than more of them.
     spacing_m = max(SPACING_M, math.ceil(2 * sides_m.max() / _MOST_CELLS) / 2)
     columns, rows = (np.ceil(sides_m / spacing_m).astype(int) + 1).tolist()
     east, north = np.round((low + high - spacing_m * np.array([columns - 1, rows - 1])) / 2, 2)

@@ -101,6 +101,7 @@ class _Rises:
         self.of_start_m = self._start_m()
 
     def _cover(self, obj: SceneObject, rise_m: float) -> _Cover:
+        # A scene on its relief has its covers at their height already.
         top_m = obj.bbox.p[2] + obj.bbox.s[2] / 2 + (0.0 if self._is_raised else rise_m)
         return _Cover(footprint(obj), round(top_m, _DIGITS), rise_m)
 

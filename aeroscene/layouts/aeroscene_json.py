@@ -120,6 +120,7 @@ def _things(entries: Sequence[Any], place: str, faults: list[str] | None) -> tup
 
 
 def _thing(entry: object, where: str, faults: list[str] | None) -> _Thing:
+    # The place tells: indoor objects lie in the list of a building.
     is_indoor = ".indoor[" in where
     named = f"object {where}"
     try:
@@ -193,6 +194,7 @@ class _Conversion:
 
     def contents(self, thing: _Thing, building: LayoutObject, parent: int) -> list[LayoutObject]:
         """Contents of a building, in the reading of its frame that puts more of them inside."""
+        # Both readings are tried, because the description leaves it open.
         local = [self._in_building(child, building, parent) for child in thing.indoor]
         world = [self.in_world(child, parent) for child in thing.indoor]
         if _n_inside(world, building) > _n_inside(local, building):
@@ -202,6 +204,7 @@ class _Conversion:
     def _in_building(self, child: _Thing, building: LayoutObject, parent: int) -> LayoutObject:
         rotation = rotation_matrix(building.q)
         offset = rotation @ [v * self._unit_m for v in child.translation]
+        # The frame's origin is in the middle of the building's bottom.
         down = rotation @ (0.0, 0.0, building.s[2] / 2)
         x, y, z = (float(p + o - d) for p, o, d in zip(building.p, offset, down, strict=True))
         w, i, j, k = quat_product(building.q, self._quat(child))
@@ -254,6 +257,7 @@ def _shared_scale(things: Sequence[_Thing]) -> Vector3:
         return (1.0, 1.0, 1.0)
     medians = [statistics.median(thing.scale[axis] for thing in things) for axis in range(3)]
     low, high = _UNIT_SCALE
+    # A median near 1 is a size, not a unit, and is kept in the sizes.
     x, y, z = (1.0 if low <= m <= high else m for m in medians)
     return (x, y, z)
 

@@ -83,6 +83,7 @@ def numbers(value: object, count: int, field_name: str) -> list[float]:
     valid = f"{count} finite numbers"
     if not isinstance(value, list) or len(value) != count:
         raise refuse(field_name, value, valid)
+    # true and false are integers in Python.
     if not all(isinstance(v, int | float) and not isinstance(v, bool) for v in value):
         raise refuse(field_name, value, valid)
     try:
@@ -115,6 +116,7 @@ def quaternion(value: object, field_name: str) -> Quaternion:
     """Require a unit quaternion in the order of the source; rounded ones are renormalised."""
     a, b, c, d = numbers(value, 4, field_name)
     norm = math.hypot(a, b, c, d)
+    # A message must fit on a line, however large the value is.
     if abs(norm - 1.0) > RENORMALISE:
         valid = f"a quaternion of norm 1 within {RENORMALISE:g} (this one has {norm:.6g})"
         raise refuse(field_name, value, valid)

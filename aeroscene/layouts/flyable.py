@@ -112,6 +112,7 @@ def _extent(site: Site, top_m: float) -> tuple[Vector3, Vector3]:
     grounds = [obj for obj in site.assembly.objects if obj.category in LAWNS | ROOMS]
     ground = np.concatenate([obj.bbox.corners() for obj in grounds])
     corners = np.concatenate([obj.bbox.corners() for obj in site.assembly.objects])
+    # Objects far beyond the ground must not make the volume large.
     low = np.maximum(corners.min(axis=0), ground.min(axis=0) - _OVERHANG_M)
     high = np.minimum(corners.max(axis=0), ground.max(axis=0) + _OVERHANG_M)
     top_m = min(max(top_m, float(corners[:, 2].max())), MAX_TOP_M)

@@ -94,6 +94,7 @@ def house_value(data: bytes, where: str) -> dict[str, Any] | None:
     Raises:
         LayoutError: If a part of it exceeds the bounds of one scene.
     """
+    # Counted in the text: to decode first would fill the memory.
     if data.count(b":") > MOST_VALUES or data.count(b"{") > _MOST_RECORDS:
         return None
     try:
@@ -193,6 +194,7 @@ class _House:
         with _Skip(self, where):
             record = fields.mapping(child, "the child")
             ref = fields.text(fields.need(record, "ref"), "ref")
+            # Neither list needs the other: a child is a piece of furniture or a mesh.
             if ref in furniture and furniture[ref].get("valid", True):
                 objects.append(self._piece(record, furniture[ref]))
             elif ref in meshes:
@@ -218,6 +220,7 @@ class _House:
         # Mirrored models have negative scales.
         scaled = [abs(a * b) for a, b in zip(model_size, scale, strict=True)]
         x, y, z = fields.size(scaled, "size times scale")
+        # The origin is the middle of the model's bottom, and our boxes have theirs in the middle.
         up = rotation_matrix(quat) @ (0.0, 0.0, y / 2)
         centre = (pos[0] + float(up[0]), pos[1] + float(up[1]), pos[2] + float(up[2]))
         return LayoutObject(
@@ -304,6 +307,7 @@ def _triangles(child: Mapping[str, Any], mesh: Mapping[str, Any]) -> np.ndarray:
         ) from None
     if not np.isfinite(corners).all() or np.abs(corners).max(initial=0) > fields.MAX_POSITION_M:
         raise fields.refuse("xyz", mesh.get("uid"), "finite numbers")
+    # The frame as above: X = -x, Y = z, Z = y.
     ours = np.stack([-corners[..., 0], corners[..., 2], corners[..., 1]], axis=-1)
     return (ours @ rotation_matrix(quat).T + pos)[..., :2]
 
@@ -347,6 +351,7 @@ def _outline(floors: list[np.ndarray]) -> tuple[Point2, ...]:
 def _corners_about(objects: Sequence[LayoutObject]) -> list[Point2]:
     if not objects:
         raise LayoutError("scene.room has neither floors nor furniture; valid: one or the other")
+    # Boxes may be turned, so that half of the longest side counts to all sides.
     reach = max(max(obj.s) for obj in objects) / 2 + _MARGIN_M
     return [(obj.p[0] + d, obj.p[1] + d) for obj in objects for d in (-reach, reach)]
 

@@ -51,6 +51,7 @@ def _strips(shape: BaseGeometry) -> list[Rectangle]:
             continue
         pieces = shapely.intersection(shape, shapely.box(left, low, right, high))
         for piece in shapely.get_parts(shapely.union_all([pieces])):
+            # Thinner pieces are left by rounding at slanting edges.
             if piece.area > _LEAST_M**2:
                 x0, _, x1, _ = piece.bounds
                 strips.append((x0, low, x1, high))
@@ -72,6 +73,7 @@ def _merge(strips: list[Rectangle]) -> list[Rectangle]:
 
 def _tiles(rectangle: Rectangle, longest_m: float) -> list[Rectangle]:
     x0, y0, x1, y1 = rectangle
+    # A length that is a whole number of tiles must not get one more by rounding.
     nx = max(1, math.ceil((x1 - x0) / longest_m - 1e-9))
     ny = max(1, math.ceil((y1 - y0) / longest_m - 1e-9))
     dx, dy = (x1 - x0) / nx, (y1 - y0) / ny

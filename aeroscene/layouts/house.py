@@ -45,6 +45,7 @@ def build_house(site: Site) -> tuple[Grounds, float]:
         Grounds on which a drone may start, and the height of the roof's top, m.
     """
     rooms = _rooms(site)
+    # A tenth of a metre above the tallest object.
     clear_m = min(max(LEAST_CLEAR_M, round(site.top_m - FINISH_M + 0.1, 2)), MOST_CLEAR_M)
     height_m = FINISH_M + clear_m
     for number, room in enumerate(rooms):
@@ -87,6 +88,7 @@ def _lay_lawn(site: Site, area: BaseGeometry, thickness_m: float) -> None:
 def _furniture(site: Site) -> list[shapely.Polygon]:
     """Outlines of all objects that may be in the way through an opening."""
     outlines = [
+        # What hangs above a door is not in the way.
         shapely.convex_hull(shapely.MultiPoint(kept.box.corners()[:, :2]))
         for kept in site.kept.values()
         if kept.low_m < DOOR_HEIGHT_M

@@ -110,6 +110,7 @@ def _code() -> bytes:
 
 def _encode(scenes: list[Scene]) -> bytes:
     text = b"".join(scene_to_json(scene) + _END for scene in scenes)
+    # Without the time, so that equal scenes give equal files.
     body = gzip.compress(text, 6, mtime=0)
     return _MAGIC + hashlib.blake2b(body, digest_size=_DIGEST_BYTES).digest() + body
 
@@ -122,6 +123,7 @@ def _decode(data: bytes) -> list[Scene]:
     """
     head = len(_MAGIC) + _DIGEST_BYTES
     body = data[head:]
+    # The digest finds a file that was cut short or changed.
     if data[:head] != _MAGIC + hashlib.blake2b(body, digest_size=_DIGEST_BYTES).digest():
         raise ValueError("not mapped layouts of this version; valid: what was written here")
     return [scene_from_json(text) for text in gzip.decompress(body).split(_END)[:-1]]

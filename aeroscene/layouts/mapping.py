@@ -38,6 +38,7 @@ def match(obj: LayoutObject) -> Match | None:
     found = match_name(obj.category)
     if found is None and obj.super_category in SUPER_CATEGORIES:
         found = Match(SUPER_CATEGORIES[obj.super_category], "by super-category")
+    # A name such as "building" says nothing of the kind, so that the size decides.
     if found is not None and found.category == "building":
         return Match(building_kind(obj.s), found.fit)
     return found
@@ -79,6 +80,7 @@ def _words(name: str) -> list[str]:
     """Words of a name in lower case and singular: `SM_PalmTrees03` is sm palm tree."""
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     words = re.findall("[a-z]+", spaced.lower())
+    # A word of more than three letters loses its plural, but "glass" keeps its s.
     return [word[:-1] if len(word) > 3 and word[-1] == "s" != word[-2] else word for word in words]
 
 

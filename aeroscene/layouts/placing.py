@@ -24,6 +24,7 @@ def place_objects(site: Site) -> None:
     ids: dict[int, int] = {}
     for index, kept in site.kept.items():
         parent = objects[index].parent
+        # A parent that was left out passes its contents on to its own parent.
         while parent is not None and parent not in ids:
             parent = objects[parent].parent
         parent_id = _room_of(kept.box, rooms) if parent is None else ids[parent]

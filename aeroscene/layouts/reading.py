@@ -63,6 +63,7 @@ def _read_one(path: Path, *, skip_invalid: bool) -> NeutralLayout:
     # Houses of 3D-FRONT are tens of megabytes of meshes, of which few are needed.
     value = house_value(data, where)
     value = parse_json(data, where) if value is None else value
+    # Tens of megabytes that are no longer needed.
     del data
     try:
         match dialect_of(value):

@@ -141,6 +141,7 @@ def our_box(obj: LayoutObject, front: str, lift_m: float) -> OrientedBox:
         lift_m: Height of our ground.
     """
     q, s = obj.q, obj.s
+    # A quarter turn exchanges the two horizontal extents.
     if front == "y":
         q, s = quat_product(q, _QUARTER), (s[1], s[0], s[2])
     # w >= 0 and no negative zeros: equal attitudes give equal files.

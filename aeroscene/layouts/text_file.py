@@ -135,6 +135,7 @@ def _lines(path: Path) -> Iterator[bytes]:
     line = bytearray()
     for piece in _pieces(path, MOST_LINES_BYTES):
         first, *others = piece.split(b"\n")
+        # One byte more than allowed shows that the line is too long; the rest is not kept.
         line += first[: MOST_JSON_BYTES + 1 - len(line)]
         for other in others:
             yield bytes(line)

@@ -199,6 +199,7 @@ class _House:
         width_m, depth_m, height_m = typical_sizes_m().get(name) or _nominal_size_m(name)
         if record.get("vertices") is not None:
             width_m, depth_m = _outline_m(record)
+        # The middle of an object that stands is at half its height.
         low, high = (share * height_m for share in _HEIGHTS)
         if name not in _WALL_TYPES and low <= 2.0 * middle_m <= high:
             height_m = 2.0 * middle_m
@@ -214,6 +215,7 @@ def category_of(asset: str, identity: str, object_name: object = None) -> str:
     if _is_holodecks(identity):
         given = object_name if isinstance(object_name, str) else re.split(r"\|| \(", identity)[0]
         name = re.sub(r"-\d+$", "", given).replace("_", " ") or asset
+        # A name of ours first; otherwise a type whose typical size is known.
         return name if match_name(name) is not None else _type_in(name) or name
     squeezed = re.sub("[^a-z]", "", asset.lower())
     return next((kind for part, kind in _types() if part in squeezed), asset)
@@ -253,6 +255,7 @@ def _outline_m(record: Mapping[str, Any]) -> tuple[float, float]:
     east, north = (
         (max(values) - min(values) - _WIDER_CM) / 100.0 for values in zip(*corners, strict=True)
     )
+    # Quarter turns exchange width and depth.
     turn_deg = _xyz(record.get("rotation") or {"x": 0, "y": 0, "z": 0}, "rotation")[1]
     return (north, east) if round(turn_deg / 90.0) % 2 else (east, north)
 

@@ -33,6 +33,7 @@ USES: Mapping[str, tuple[str, ...]] = {
 
 def room_use(name: str) -> str | None:
     """Our use for the name of a room such as `MasterBedroom`; None if no word is known."""
+    # Between a lower and an upper case letter begins a new word.
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     words = re.findall("[a-z]+", spaced.lower())
     pairs = [" ".join(pair) for pair in pairwise(words)]

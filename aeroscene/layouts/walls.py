@@ -152,6 +152,7 @@ def _facing(edge: _Edge, opposite: _Edge) -> _Stretch | None:
     if edge.ux * opposite.ux + edge.uy * opposite.uy > -_PARALLEL:
         return None
     dx, dy = opposite.ax - edge.ax, opposite.ay - edge.ay
+    # Distance of the other edge to the right of this one, where the neighbour lies.
     gap = dx * edge.uy - dy * edge.ux
     if not -0.01 <= gap <= MAX_GAP_M:
         return None
@@ -262,6 +263,7 @@ def _choose_exit(
         if stretch.length >= LEAST_DOOR_M + 2 * OUTER_M:
             blocked, place = _freest_place(stretch, tree)
             here = (blocked, -stretch.length, index, place)
+            # The least area in the way, then the longest stretch.
             best = min(best or here, here)
     return None if best is None else (best[2], best[3])
 

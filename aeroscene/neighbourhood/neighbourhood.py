@@ -98,6 +98,7 @@ class _Ring:
         manner, n_left = self._manner, self._manner.n_houses
         # Fronts along streets before places without a street.
         places = (*self._fronts(streets), *self._anywhere(manner.n_houses))
+        # All are drawn beforehand, so that a place that is taken does not change the later ones.
         sizes = self._drawn(len(places), manner.length_m, manner.width_m, manner.height_m)
         walls, roofs = (
             self._rng.integers(len(kinds), size=len(places)).tolist()
@@ -115,6 +116,7 @@ class _Ring:
         n_left = self._manner.n_trees
         places = self._anywhere(_TRIES * n_left)
         sizes = self._drawn(len(places), _TREE_M[0], _TREE_M[0], _TREE_M[1])
+        # Kinds of leaves in turn.
         for number, (place, (wide_m, _, rise_m)) in enumerate(zip(places, sizes, strict=True)):
             plot = self._take(place, (wide_m, wide_m, rise_m)) if n_left else None
             if plot is not None:
@@ -154,6 +156,7 @@ class _Ring:
         (u, v), (x0, y0, x1, y1) = plot.reach_m, self._outer
         if not (x0 + u <= plot.x <= x1 - u and y0 + v <= plot.y <= y1 - v):
             return None
+        # Nothing may extend into the strip around the flight volume.
         x0, y0, x1, y1 = self._inner
         if x0 - u < plot.x < x1 + u and y0 - v < plot.y < y1 + v:
             return None

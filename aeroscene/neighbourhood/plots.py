@@ -25,7 +25,12 @@ class Plot:
 
     @classmethod
     def at(cls, place: Place, size_m: Vector3) -> Plot:
-        """The ground that an upright box covers."""
+        """Give the ground that an upright box covers.
+
+        Args:
+            place: Middle and heading of the box.
+            size_m: Extents of the box; the height does not matter.
+        """
         x, y, yaw_rad = place
         half_length_m, half_width_m = size_m[0] / 2, size_m[1] / 2
         radius_m = math.hypot(half_length_m, half_width_m)
@@ -42,7 +47,7 @@ class Plot:
         )
 
     def corners(self) -> list[tuple[float, float]]:
-        """The four corners, m."""
+        """Give the four corners, counter-clockwise, east and north, m."""
         u, v = self.half_length_m, self.half_width_m
         return [
             (self.x + a * self.cosine - b * self.sine, self.y + a * self.sine + b * self.cosine)
@@ -57,6 +62,7 @@ class Plot:
             gap_m: Least width of the strip between them.
         """
         dx, dy = other.x - self.x, other.y - self.y
+        # Circles around both decide most pairs.
         if math.hypot(dx, dy) >= self.radius_m + other.radius_m + gap_m:
             return True
         return self._is_beyond(other, dx, dy, gap_m) or other._is_beyond(self, dx, dy, gap_m)

@@ -31,6 +31,7 @@ def house(size_m: Vector3, wall: str, roof: str | None, pitch: float) -> list[Pa
     x, y, z = size_m
     if roof is None:
         return [block(x, y, (0.0, z), wall)]
+    # A roof of this pitch over the shorter side takes the rest of the height.
     eaves_m = z - pitch * min(x, y) / 2
     half_x, half_y = x / 2 + _EAVES_M, y / 2 + _EAVES_M
     foot: list[Vector3] = [(sx * half_x, sy * half_y, eaves_m) for sx in (-1, 1) for sy in (-1, 1)]
@@ -41,7 +42,12 @@ def house(size_m: Vector3, wall: str, roof: str | None, pitch: float) -> list[Pa
 
 
 def tree(size_m: Vector3, leaves: str) -> list[Part]:
-    """A stem, and a crown of flat faces."""
+    """Build a tree of a stem and a crown of flat faces, its foot at the origin.
+
+    Args:
+        size_m: Extents; the crown is round, so that the width counts alone.
+        leaves: Material of the crown.
+    """
     wide_m, _, z = size_m
     base_m = 0.25 * z
     crown: list[Vector3] = [(0.0, 0.0, base_m), (0.0, 0.0, z)]
@@ -56,7 +62,13 @@ def tree(size_m: Vector3, leaves: str) -> list[Part]:
 
 
 def street(length_m: float, width_m: float, top_m: float) -> list[Part]:
-    """Asphalt with a line along its middle; nothing collides with it."""
+    """Paint a street of asphalt with a line along its middle; nothing collides with it.
+
+    Args:
+        length_m: Length, along x.
+        width_m: Width, along y.
+        top_m: Height of the asphalt above the ground.
+    """
     line = block(length_m, _LINE_M, (0.0, top_m + _LINE_RISE_M), "marking_white", collides=False)
     return [block(length_m, width_m, (0.0, top_m), "asphalt", collides=False), line]
 

@@ -95,6 +95,7 @@ def _exits(scene: Scene, road: SceneObject, ground: np.ndarray, ring_m: float) -
         outward = way * np.array([math.cos(yaw), math.sin(yaw)])
         end = middle + outward * length_m / 2
         axis, sign, out_m = _way_out(scene, end, outward)
+        # Begins beyond the road's end, and ends two metres beyond the flight volume.
         sight = shapely.LineString([end + _BESIDE_M * outward, end + (out_m + 2.0) * outward])
         if shapely.intersects(ground, sight).any():
             continue

@@ -37,6 +37,7 @@ def unreachable(
             continue
         for area in scene.interaction_areas:
             needs, cell = area_needs(area), field.cell(area.centroid)
+            # Each flood serves the areas whose drones have its radius.
             if needs.flight_radius_m != radius_m:
                 continue
             if cell is None or not needs.is_entered(reached, cell, field.resolution_m):

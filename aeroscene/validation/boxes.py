@@ -26,7 +26,13 @@ OUTSIDE_TOLERANCE_M = 0.01
 
 
 def overlaps(scene: Scene) -> Iterator[Finding]:
-    """Find pairs of boxes that share volume and are not parent and child."""
+    """Find pairs of boxes that share volume and are not parent and child.
+
+    The later object of a pair is the one at fault.
+
+    Args:
+        scene: Scene.
+    """
     if not scene.objects:
         return
     objects, boxes = scene.objects, _boxes(scene)
@@ -96,11 +102,16 @@ def _is_in_tiles(
 
 
 def outside(scene: Scene) -> Iterator[Finding]:
-    """Find boxes with a corner beyond the flight volume."""
+    """Find boxes with a corner beyond the flight volume.
+
+    Args:
+        scene: Scene.
+    """
     if not scene.objects:
         return
     corners = box_corners(*_boxes(scene))
     least, most = corners.min(axis=1), corners.max(axis=1)
+    # The box of an outline may extend beyond the volume where the outline does not.
     for row, obj in enumerate(scene.objects):
         if OUTLINE in obj.attributes:
             x0, y0, x1, y1 = footprint(obj).bounds

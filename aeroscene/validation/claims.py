@@ -161,6 +161,7 @@ class _Claim:
 
     def _inner_corners(self) -> Float[np.ndarray, "n 2"]:
         centre = self._plane.centre[:2]
+        # A little inside the corners, where the surface is well defined.
         return centre + 0.98 * (self._polygon[:, :2] - centre)
 
     def _room(self) -> Iterator[str]:
@@ -173,6 +174,7 @@ class _Claim:
             name = self._name(int(self._solids.object_id[found.index]))
             yield f"{name} stands on it {found.distance_m:.2f} m from the middle"
         for found in self._obstacles(near, LEGS_M + STEP_TOLERANCE_M, reach_m, needs.clearance_m):
+            # What stands within the radius has been reported above.
             if found.distance_m > area.radius - EDGE_M:
                 name = self._name(int(self._solids.object_id[found.index]))
                 yield (
@@ -180,6 +182,7 @@ class _Claim:
                     f"valid: from {reach_m:.2f} m"
                 )
         above = self._obstacles(near, low_m, area.radius, area.clearance_m)
+        # Lower ones stand on the area, and have been reported above.
         hanging = [o for o in above if needs.clearance_m < o.rise_m < area.clearance_m - EDGE_M]
         if hanging:
             lowest = min(hanging, key=lambda o: o.rise_m)
@@ -216,6 +219,7 @@ class _Claim:
                 return None
             if solids.is_box[index] or solids.is_cylinder[index]:
                 return _Obstacle(index, rise_m, self._distance_upright(index))
+        # Of height 1, not of length 1: products with it are vertical heights above the plane.
         normal = np.array([*-plane.gradient, 1.0])
         base = float(normal @ plane.centre)
         points = solids.points(index)

@@ -28,6 +28,7 @@ def spans(
         Lower and upper height for each line, m; NaN if it misses the solid.
     """
     rotation, centre = solids.rotation[index], solids.centre_m[index]
+    # A vertical line through each point, in the frame of the solid.
     offset = np.column_stack([points_enu_m - centre[:2], np.zeros(len(points_enu_m))])
     origin, direction = offset @ rotation, rotation[2]
     half = solids.half_m[index]
@@ -43,6 +44,7 @@ def spans(
         )
     else:
         span = _ball(origin / half, direction / half)
+    # Written so that NaN counts as a miss, too.
     span[~(span[:, 0] <= span[:, 1])] = np.nan
     return span + centre[2]
 

@@ -38,12 +38,18 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 
 def floating(scene: Scene, solids: Solids) -> Iterator[Finding]:
-    """Find objects that stand on nothing and hang on nothing."""
+    """Find objects that stand on nothing and hang on nothing.
+
+    Args:
+        scene: Scene.
+        solids: Its solids that collide.
+    """
     if not scene.objects:
         return
     boxes = [obj.bbox for obj in scene.objects]
     corners = box_corners(*([getattr(box, name) for box in boxes] for name in "pqs"))
     bottoms_m = corners[..., 2].min(axis=1).tolist()
+    # The lowest ground below any corner: a box on a slope stands with one corner.
     below_m = ground_m(scene.relief, corners[..., 0], corners[..., 1]).min(axis=1).tolist()
     row = {obj.id: number for number, obj in enumerate(scene.objects)}
     row_of_solid = np.array([row[i] for i in solids.object_id.tolist()], dtype=int)
@@ -103,6 +109,7 @@ def _on_one_box(
     obj, under = np.nonzero(meets)
     under = box[under]
     is_borne = np.ones(len(obj), dtype=bool)
+    # All four corners of the feet have to be on the box.
     for x, y in ((low, low), (low, high), (high, low), (high, high)):
         offset = np.stack([x[obj, 0], y[obj, 1]], axis=1) - solids.centre_m[under, :2]
         local = np.abs(np.einsum("ki,kia->ka", offset, solids.rotation[under, :2, :2]))
