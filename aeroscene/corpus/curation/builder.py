@@ -104,7 +104,14 @@ class Builder:
         self._bounds: tuple[tuple[float, float], tuple[float, float]] | None = None
 
     def enclose(self, low: tuple[float, float], high: tuple[float, float]) -> None:
-        """Refuse from now on every object that leaves an upright rectangle, ENU, m."""
+        """Refuse from now on every object that leaves an upright rectangle.
+
+        Objects that stand already are not tested.
+
+        Args:
+            low: Lower corner, east and north, m.
+            high: Upper corner, m.
+        """
         self._bounds = (low, high)
 
     def place(

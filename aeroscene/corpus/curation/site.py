@@ -198,7 +198,13 @@ class Site:
         return strip
 
     def lay_verge(self, frame: Frame, length: float, width: float) -> None:
-        """Lay a strip of green between carriageway and sidewalk, its kerb on the frame's x axis."""
+        """Lay a strip of green between carriageway and sidewalk.
+
+        Args:
+            frame: Middle of the kerb, with the strip on the side of positive y.
+            length: Length along x, m.
+            width: Width, m.
+        """
         spot = self.world(frame).moved(0, width / 2)
         size = (length, width, VERGE_M)
         strip = self.builder.place("lawn", spot, size, look={"form": "plain"})
@@ -209,7 +215,14 @@ class Site:
         return {"form": self.style[name]} if name in self.style else {}
 
     def pave(self, block: Block, rng: np.random.Generator) -> None:
-        """Lay sidewalks along the block's streets; divide the rest into parcels of unequal size."""
+        """Lay sidewalks along the block's streets; divide the rest into parcels of unequal size.
+
+        The parcels face one of the streets, drawn by chance.
+
+        Args:
+            block: Block.
+            rng: Draws the front and the cuts.
+        """
         rest = block.area
         for side in block.street_sides:
             frame, length, _ = rest.side_frame(side)

@@ -14,6 +14,7 @@ FORMS: Mapping[str, tuple[str, ...]] = {
     "tower": ("crown", "stepped", "ribs"),
     "warehouse": ("hall", "docks", "lowpitch"),
     "garage": ("garage", "shed", "carport"),
+    # The form decides on the surface that carries objects: level, sloped or round.
     "terrain": ("terrace", "ramp", "mound"),
     "kiosk": ("hatch", "round", "stall"),
     "container": ("closed", "open", "office"),

@@ -22,6 +22,7 @@ def table(look: Look) -> list[Part]:
     Reads the attributes `form`, `wood` and `legs`.
     """
     x, y, z = look.size_m
+    # Larger ones are round or on feet only if the attribute asks for it.
     is_small = max(x, y) <= min(1.5, _SQUARE * min(x, y))
     form = look.set_choice("form", FORMS["table"], () if is_small else ("legs", "trestle"))
     wood = look.set_choice("wood", WOODS)
@@ -40,6 +41,7 @@ def table(look: Look) -> list[Part]:
     if form == "round":
         top = cylinder((0, 0, z - _TOP_M / 2), wide, _TOP_M, wood)
         return [top, *legs(0.62 * wide, 0.62 * wide, (0, under), 0.055, wood)]
+    # A long one has two feet.
     feet = (0.0,) if is_small else (-0.27 * y, 0.27 * y)
     return [
         block(x, y, (under, z), "stone"),
@@ -107,6 +109,7 @@ def desk(look: Look) -> list[Part]:
     return [
         top,
         block(0.9 * x, (-y / 2 + 0.02, -y / 2 + 0.06), (0, under), "dark_metal"),
+        # The drawers take one end; the other stands on a panel.
         block(0.9 * x, drawers, (0.06, under), wood),
         block(back, y - 0.2, (0.5 * z, under), wood),
         paint(
@@ -140,6 +143,7 @@ def nightstand(look: Look) -> list[Part]:
         ]
     front = inwards(1, x / 2, 0.02)
     return [
+        # The body ends where the fronts of the drawers begin.
         block((-x / 2, front[0]), y, (0, z), wood),
         *(paint(front, 0.86 * y, (low * z, (low + 0.36) * z), "dark_wood") for low in (0.12, 0.56)),
     ]

@@ -63,6 +63,7 @@ def television(look: Look) -> list[Part]:
 
 def _screen(width: float, z: tuple[float, float], at_y: float) -> list[Part]:
     """A thin case with a picture that faces +x."""
+    # The rim is as wide at the sides as at the top, about.
     rim = 0.025 * (z[1] - z[0])
     return [
         block((-0.02, 0.01), about(at_y, width), z, "plastic_black"),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 FACADE_BAY_M = (3.0, 3.2)
 """Width and height of one bay of a painted facade: a window and the wall about it, m."""
+# A tile of a facade has two bays by two.
 _TWO_BAYS_M = (2 * FACADE_BAY_M[0], 2 * FACADE_BAY_M[1])
 
 
@@ -57,6 +58,7 @@ PAINT_COLOURS = ("red", "blue", "white", "silver", "black", "green", "yellow", "
 FABRIC_COLOURS = ("teal", "rust", "navy", "beige", "moss", "plum")
 """Colours of upholstery and bedding."""
 
+# In the order of the names above.
 _WALL_RGB = (
     (0.93, 0.88, 0.76),
     (0.86, 0.76, 0.60),
@@ -86,6 +88,7 @@ _FABRIC_RGB = (
     (0.42, 0.22, 0.38),
 )
 
+# Name, colour, texture, size of a tile (m), friction, shine.
 _PLAIN = (
     Material("asphalt", _grey(0.34), "asphalt", (4.0, 4.0), 1.0, 0.0),
     Material("concrete", (0.70, 0.69, 0.66, 1.0), "concrete", (4.0, 4.0), 0.9, 0.0),
@@ -127,6 +130,7 @@ _PLAIN = (
     Material("plastic_green", (0.16, 0.38, 0.20, 1.0), "plastic", (0.8, 0.8), 0.6, 0.3),
     Material("cardboard", (0.68, 0.52, 0.34, 1.0), "cardboard", (0.6, 0.6), 0.7, 0.0),
     Material("ceramic", (0.95, 0.94, 0.91, 1.0), "ceramic", (0.3, 0.3), 0.6, 0.5),
+    # No texture: a smooth surface.
     Material("enamel", (0.95, 0.95, 0.94, 1.0), None, (1.0, 1.0), 0.5, 0.6),
     Material("stone", (0.80, 0.78, 0.74, 1.0), "ashlar", (2.4, 2.4), 0.7, 0.3),
     Material("terracotta", (0.74, 0.42, 0.28, 1.0), "plaster", (1.0, 1.0), 0.8, 0.0),

@@ -56,6 +56,7 @@ def inwards(sign: int, reach: float, depth: float) -> Interval:
     For example, `inwards(-1, 2.0, 0.5)` is (-2.0, -1.5): the last half metre of a box at its -x
     end.
     """
+    # The interval is ordered from low to high on both sides.
     return (reach - depth, reach) if sign > 0 else (-reach, depth - reach)
 
 
@@ -87,6 +88,7 @@ def leaning(
 ) -> Part:
     """A box turned about one axis, by the right-hand rule."""
     c, s = cos(angle_rad / 2), sin(angle_rad / 2)
+    # Quaternions w, x, y, z.
     turn: dict[Axis, Quaternion] = {
         "x": (c, s, 0.0, 0.0),
         "y": (c, 0.0, s, 0.0),
@@ -113,6 +115,7 @@ def prism(
     right, left = y if isinstance(y, tuple) else centred(y)
     vertices: list[Vector3] = []
     for px, pz in profile_xz_m:
+        # In proportion to the height, so that the sides stay plane.
         inset = lean_m * (pz - foot) / (top - foot) if lean_m else 0.0
         vertices += [(px, right + inset, pz), (px, left - inset, pz)]
     return hull(vertices, material)
@@ -151,6 +154,7 @@ def cone(
     vertices: list[Vector3] = []
     for diameter, height in ((bottom, z[0]), (top, z[1])):
         along, across = diameter if isinstance(diameter, tuple) else (diameter, diameter)
+        # A tip is one corner; several at one place would make faces without area.
         if min(along, across) < 0.01:
             vertices.append((0.0, 0.0, height))
             continue

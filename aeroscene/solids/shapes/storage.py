@@ -41,6 +41,7 @@ def cabinet(look: Look) -> list[Part]:
     """
     x, y, z = look.size_m
     form, wood = look.set_choice("form", FORMS["cabinet"]), look.set_choice("wood", WOODS)
+    # Doors contrast with the case.
     pane = "pale_wood" if wood != "pale_wood" else "plastic_white"
     if form == "sideboard":
         case, front = _case(look, 0.2, wood)
@@ -82,6 +83,7 @@ def _open_wardrobe(look: Look, wood: str) -> list[Part]:
             0.7 * x,
             about((index - 1) * 0.28 * y, 0.2 * y),
             (0.4 * z, rail),
+            # Colours follow from the object, and differ from one piece to the next.
             f"fabric_{FABRIC_COLOURS[(look.variant + index) % len(FABRIC_COLOURS)]}",
         )
         for index in range(3)
@@ -101,6 +103,7 @@ def shelf_boards(height_m: float) -> tuple[float, ...]:
 
     Generators place objects on the boards by these heights.
     """
+    # A board every 42 cm or so, within bounds.
     levels = max(2, min(5, round(height_m / 0.42)))
     rise = (height_m - 0.05) / levels
     return tuple(0.045 + level * rise for level in range(levels))
@@ -160,6 +163,7 @@ def _rack(look: Look) -> list[Part]:
     parts = legs(x, y, (0, z), min(0.06, 0.2 * x), colour)
     parts += [block(x - 0.02, y - 0.02, (at, at + 0.04), "metal") for at in decks]
     for index, at in enumerate(decks[:-1]):
+        # A share of 4/8 to 7/8, which looks random but follows from level and object.
         share = ((index * 29 + look.variant * 7) % 4 + 4) / 8
         wide = share * (y - 0.2)
         # Cartons stand at the left or right end in turn.
@@ -206,6 +210,7 @@ def stove(look: Look) -> list[Part]:
     """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["stove"])
+    # The form decides on the material, so that no attribute is needed.
     material = {"plates": "plastic_white", "range": "dark_metal", "island": "metal"}[form]
     case, front = _case(look, 0.0, material)
     window = (0.22 * z, 0.7 * z)

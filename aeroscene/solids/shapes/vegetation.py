@@ -69,6 +69,7 @@ def _spreading_crown(look: Look, base: float) -> list[Part]:
 def _conical_crown(look: Look, base: float) -> list[Part]:
     """A spruce: three skirts, from low on."""
     x, y, z = look.size_m
+    # Spruces have branches from low on.
     base = min(base, 0.14 * z)
     rise = z - base
     leaves = look.choice("leaves", ("leaves_dark",))
@@ -139,6 +140,7 @@ def planter(look: Look) -> list[Part]:
     """
     x, y, z = look.size_m
     form = look.choice("form", FORMS["planter"])
+    # Flowers stand low, and a shrub takes half of the height.
     rim = min(0.5, 0.6 * z) if form != "flowers" else max(0.6 * z, z - 0.35)
     soil = paint(x - 0.1, y - 0.1, (rim, rim + 0.02), "soil")
     if form == "pot":
@@ -187,8 +189,8 @@ def plant(look: Look) -> list[Part]:
         fan = (0.62 * z, z - 0.02 * z)
         return [
             pot,
-            # Three crossed fronds, 60 degrees apart, make a star of six.
             stem,
+            # Three crossed fronds, 60 degrees apart, make a star of six.
             _frond(0.94 * wide, 0.3 * wide, fan, 0.0),
             _frond(0.94 * wide, 0.3 * wide, fan, 1.05),
             _frond(0.94 * wide, 0.3 * wide, fan, 2.1),

@@ -23,7 +23,16 @@ _TRIES = 30
 
 
 def lay_upper_slabs(builder: Builder, building: Building, borders: Sequence[Border]) -> None:
-    """Lay a slab under each gallery; it ends over walls below rails and against higher walls."""
+    """Lay a slab under each gallery; it ends over walls below rails and against higher walls.
+
+    Args:
+        builder: Builder of the scene.
+        building: Building with the rooms of its ground floor.
+        borders: All borders of its plan.
+
+    Raises:
+        OverlapError: If a slab does not fit, which is a fault of the plan.
+    """
     shell, zones = building.shell, building.plan.zones
     inner_x, inner_y = (length / 2 - WALL_M for length in building.plan.size)
     for index, zone in enumerate(zones):
@@ -48,7 +57,14 @@ def lay_upper_slabs(builder: Builder, building: Building, borders: Sequence[Bord
 
 
 def guard_gallery(builder: Builder, draw: Draw, building: Building, border: Border) -> None:
-    """Place rails along a gallery's edge, and a flight of stairs if there is space for one."""
+    """Place rails along a gallery's edge, and a flight of stairs if there is space for one.
+
+    Args:
+        builder: Builder of the scene.
+        draw: Randomness.
+        building: Building with all its rooms.
+        border: Border whose barrier is a rail.
+    """
     # The upper zone first.
     zones = building.plan.zones
     upper, lower = sorted(border.zones, key=lambda i: -zones[i].level)

@@ -102,5 +102,10 @@ def on_top(ground: Ground, bearer: Placed) -> Platform:
 
 
 def beneath(ground: Ground, canopy: Placed) -> Platform:
-    """The ground under a canopy, which shelters and therefore owns the objects on it."""
+    """Give the ground under a canopy, which shelters and therefore owns the objects on it.
+
+    Args:
+        ground: Parcel, whose builder and randomness are used.
+        canopy: Canopy.
+    """
     return Platform(ground.builder, ground.draw, canopy, canopy.base)

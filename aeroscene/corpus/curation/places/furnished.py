@@ -63,7 +63,18 @@ def raise_furnished(
 
 
 def raise_hall(ground: Ground, u: float, v: float, size: Vector3, look: Attributes) -> Shell | None:
-    """Raise an enterable warehouse: one room, with the air in its two gates kept free."""
+    """Raise an enterable warehouse: one room, with the air in its two gates kept free.
+
+    Args:
+        ground: Parcel.
+        u: Middle along the street, m.
+        v: Middle, m from the street.
+        size: Extents of the hall.
+        look: Attributes of the hall.
+
+    Returns:
+        The hall and its room, or None if it does not fit.
+    """
     hall = ground.erect("warehouse", u, v, size, look={**look, "is_enterable": True})
     if hall is None:
         return None

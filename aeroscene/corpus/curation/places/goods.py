@@ -79,7 +79,15 @@ def crate_stack(bearing: Bearing, frame: Frame, u: float, v: float) -> None:
 
 
 def plastic_crates(bearing: Bearing, frame: Frame, u: float, v: float, count: int) -> None:
-    """Place plastic crates of one colour close together in two ranks, from a corner on."""
+    """Place plastic crates of one colour close together in two ranks.
+
+    Args:
+        bearing: Surface that carries them.
+        frame: Frame of the coordinates.
+        u: Middle of the first crate, m; the others follow along x and y.
+        v: Middle of the first crate, m.
+        count: Number of crates; those that do not fit are left out.
+    """
     look = {**paint(bearing.draw), "form": "plastic"}
     for index in range(count):
         at = (u + (index // 2) * 0.82, v + (index % 2) * 0.82)

@@ -71,7 +71,12 @@ _STOCKS = {
 
 
 def furnish_rest(room: Interior, kind: str) -> Iterator[None]:
-    """Add more objects that suit a kind of room, as long as there is space for them."""
+    """Add more objects that suit a kind of room, as long as there is space for them.
+
+    Args:
+        room: Room whose kind has been furnished.
+        kind: Kind of the room; an unknown one gets what public rooms have.
+    """
     free, lining, small = _ACCENTS.get(kind, _PUBLIC)
     draw = room.draw
     spots = iter(room.spots(*_PITCH_M, _RIM_M, is_tight=True))

@@ -66,7 +66,13 @@ def seats(room: Interior, table: Placed | None, count: int, name: str = "chair")
 
 
 def lay(room: Interior, table: Placed | None, chairs: Sequence[Placed]) -> None:
-    """Lay a plate with a cup beside it before each chair of a table."""
+    """Lay a plate with a cup beside it before each chair of a table.
+
+    Args:
+        room: Room of the table.
+        table: Table; None does nothing.
+        chairs: Chairs at the table; a place that is too narrow stays empty.
+    """
     if table is None:
         return
     x = table.size[0] / 2
