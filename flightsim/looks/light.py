@@ -46,13 +46,23 @@ def surface_light(normals_enu: Normals, sun: Shares, sky: Shares) -> Shares:
 
 
 def light_rgb(light: Shares) -> Float[np.ndarray, "*n 3"]:
-    """Return colour factors of surfaces, at most 1."""
+    """Return colour factors of surfaces, at most 1.
+
+    Args:
+        light: Light of each surface, 0 in the deepest shade, 1 in full sun.
+    """
     ambient, sun = np.array(AMBIENT_RGB, light.dtype), np.array(SUN_RGB, light.dtype)
     return np.minimum(1.0, ambient + light[..., None] * sun)
 
 
 def normals_for_light(light: Shares) -> Normals:
-    """Return unit normals whose cosine to the sun is the light."""
+    """Return unit normals whose cosine to the sun is the light.
+
+    A renderer that knows only normals then shows the light that was computed, shadows included.
+
+    Args:
+        light: Light of each surface, 0 in the deepest shade, 1 in full sun.
+    """
     aside = np.sqrt(np.maximum(0.0, 1.0 - light**2))
     return light[..., None] * _TO_SUN + aside[..., None] * _ACROSS_SUN
 
