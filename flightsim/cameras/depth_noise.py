@@ -71,7 +71,14 @@ class DepthNoiseCfg:
             )
 
     def sigma_m(self, depth_m: float) -> float:
-        """Return the standard deviation of depth at a given depth, without quantisation, m."""
+        """Return the standard deviation of depth at a given depth, without quantisation, m.
+
+        Depth is focal length times baseline over disparity, so an error of the disparity counts by
+        the square of the depth.
+
+        Args:
+            depth_m: True depth.
+        """
         return depth_m**2 * self.disparity_sigma_px / (self.focal_px * self.baseline_m)
 
 
@@ -95,7 +102,11 @@ class DepthNoise:
         self._scene_id = scene_id
 
     def frame(self, frame: _Frame) -> _Frame:
-        """Return the frame with depth as the camera measures it."""
+        """Return the frame with depth as the camera measures it.
+
+        Args:
+            frame: Frame with exact depth; equal frames of a run get equal errors.
+        """
         stream = generator(self._seed, self._scene_id, "depth", frame.camera, frame.time_us)
         measured = measured_depth(frame.depth_m, frame.fx, self._cfg, stream)
         return replace(frame, depth_m=measured)

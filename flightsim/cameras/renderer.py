@@ -48,15 +48,32 @@ class CameraRenderer(Protocol):
         ...
 
     def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
-        """Return the frame of an on-board camera that is held at a viewpoint without roll."""
+        """Return the frame of an on-board camera that is held at a viewpoint without roll.
+
+        Args:
+            data: State of the world.
+            view: Place, attitude and field of view.
+            time_us: Time of the frame.
+        """
         ...
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
-        """Return the depth of `render` to the bit, in less time."""
+        """Return the depth of `render` to the bit, in less time.
+
+        Args:
+            data: State of the world.
+            camera_name: Name of a camera of the vehicle.
+            time_us: Time of the frame.
+        """
         ...
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
-        """Return object ids (height, width) int32 of the pixels of `render`."""
+        """Return object ids (height, width) int32 of the pixels of `render`.
+
+        Args:
+            data: State of the world.
+            camera_name: Name of a camera of the vehicle.
+        """
         ...
 
     def render_view(

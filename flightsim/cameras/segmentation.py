@@ -58,7 +58,14 @@ class Classes:
             self._table[number - self._least] = kind
 
     def of(self, object_ids: Int32[np.ndarray, "*shape"]) -> UInt8[np.ndarray, "*shape"]:
-        """Return the class of each object id; `NOTHING_CLASS` for ids that are not in the world."""
+        """Return the class of each object id.
+
+        Args:
+            object_ids: Ids as in `World.geom_object_id`, in an array of any shape.
+
+        Returns:
+            Classes in the same shape; `NOTHING_CLASS` for ids that are not in the world.
+        """
         row = object_ids - self._least
         is_known = (row >= 0) & (row < len(self._table))
         return np.where(is_known, self._table[np.where(is_known, row, 0)], NOTHING_CLASS)

@@ -98,7 +98,12 @@ class PlantCfg:
     """Gains; None takes `autonomy.control.cfg.controller_cfg_for` of the airframe."""
 
     def has(self, sensor: str) -> bool:
-        """Return true if the sensor of this name is switched on at the start."""
+        """Return true if the sensor of this name is switched on at the start.
+
+        Args:
+            sensor: Name such as "gnss" or "vio"; sensors that do not measure the position are
+                always on, but for the optical flow, which must be fitted.
+        """
         if sensor == OPTICAL_FLOW.name:
             return self.optical_flow.is_fitted
         # Sensors that do not measure the position are always on.

@@ -231,7 +231,13 @@ class Fleet:
         raise NotAlignedError(f"world {world}: an estimator is not aligned after ten seconds")
 
     def release(self, world: int) -> None:
-        """Let go of the held vehicles of one world, with rotors at the speed of hover."""
+        """Let go of the held vehicles of one world, with rotors at the speed of hover.
+
+        Without that they would fall until the rotors have come up to speed.
+
+        Args:
+            world: Number of the world.
+        """
         first = world * self.n_together
         vehicles = slice(first, first + self.n_together)
         for speeds_radps in self._rotors_at_hover:

@@ -63,7 +63,11 @@ class Handover:
         return n_touching
 
     def command_rotors(self, speeds_radps: RotorSpeeds | None) -> None:
-        """Command the speeds of the rotors from the next tick on; None cuts the power."""
+        """Command the speeds of the rotors from the next tick on.
+
+        Args:
+            speeds_radps: Speed of each rotor; None cuts the power.
+        """
         if speeds_radps is None:
             self._controller["given_speed_radps"] = 0.0
             self._setpoint["level"] = ControlLevel.OFF
@@ -72,7 +76,13 @@ class Handover:
             self._setpoint["level"] = ControlLevel.ROTORS
 
     def take_estimate(self, state: State) -> None:
-        """Use the state that the flight stack believes as the vehicle's estimate."""
+        """Use the state that the flight stack believes as the vehicle's estimate.
+
+        The plant's own filter rests, so recordings and pilots see this one.
+
+        Args:
+            state: Estimate of the flight stack.
+        """
         self._filter["position_enu_m"] = state.position_enu_m
         self._filter["velocity_enu_mps"] = state.velocity_enu_mps
         self._filter["quat_wxyz"] = state.quat_wxyz

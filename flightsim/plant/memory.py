@@ -138,7 +138,12 @@ class PlantMemory:
             self._air_stream.draw()
 
     def set_wind(self, cfg: WindCfg) -> None:
-        """Change the wind from the next advance on."""
+        """Change the wind from the next advance on.
+
+        Args:
+            cfg: New wind; behind solids it is weaker, by fields that are solved once for each
+                direction.
+        """
         was_smooth = self.plant["air"]["turbulence_mps"] == 0.0
         around = self._around
         is_sheltered = around.is_sheltered and cfg.speed_mps + cfg.gust_mps > 0.0

@@ -169,7 +169,11 @@ class OutsideAids:
         self.is_fed_fixes = False
 
     def feed_fix(self, fix: Fix) -> None:
-        """Use a fix in place of the receiver's, in its reading and in the filter."""
+        """Use a fix in place of the receiver's, in its reading and in the filter.
+
+        Args:
+            fix: Fix from outside; one without a position counts as a lost one.
+        """
         self.begin_fixes()
         r, f = self._gnss, self._filter
         if fix.fix_type < _FIX_2D or r["failure"][0] == Failure.OFF:
@@ -222,7 +226,14 @@ class OutsideAids:
         self._filter["has_vio"] = 0
 
     def feed_pose(self, pose: Pose) -> PoseUse:
-        """Let the filter use a pose instead of the odometry's, and return what it did with it."""
+        """Let the filter use a pose instead of the odometry's.
+
+        Args:
+            pose: Pose from outside, relative to its own start or in the scene's frame.
+
+        Returns:
+            What the filter did with it; `PoseUse.WAITING` before it is aligned.
+        """
         self.begin_poses()
         f = self._filter
         position = np.array(pose.position_enu_m)

@@ -84,7 +84,12 @@ HISTORY_DTYPE = history_dtype(MAX_ROTORS)
 
 
 def with_rotors(history: np.ndarray, n_rotors: int) -> np.ndarray:
-    """Return the rows of a log (n,) as a view whose rotor columns are the vehicle's alone."""
+    """Return the rows of a log as a view whose rotor columns are the vehicle's alone.
+
+    Args:
+        history: Rows (n,) of `HISTORY_DTYPE`, which has room for the most rotors.
+        n_rotors: Number of the vehicle's rotors.
+    """
     wide, narrow = HISTORY_DTYPE.fields or {}, history_dtype(n_rotors).fields or {}
     layout: Any = {
         "names": list(narrow),
@@ -96,7 +101,11 @@ def with_rotors(history: np.ndarray, n_rotors: int) -> np.ndarray:
 
 
 def without_gaps(history: np.ndarray) -> np.ndarray:
-    """Return a copy of such rows without the unused room for rotors, as files store them."""
+    """Return a copy of such rows without the unused room for rotors, as files store them.
+
+    Args:
+        history: Rows as `with_rotors` returns them.
+    """
     (n_rotors,) = history.dtype["rotor_speed_radps"].shape
     return history.astype(history_dtype(n_rotors))
 

@@ -44,7 +44,11 @@ class TimedFailure:
     """Simulated seconds after lift-off."""
 
     def strike(self, plant: Plant) -> None:
-        """Make the part fail now."""
+        """Make the part fail now.
+
+        Args:
+            plant: Vehicle with the part.
+        """
         if self.rotor is None:
             plant.failures.fail_sensor(self.part, self.kind)
         else:
