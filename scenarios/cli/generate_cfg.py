@@ -36,10 +36,10 @@ class GenerateCfg:
     domain: Literal["any", "outdoor", "indoor", "mixed"] = "any"
     """Domain of the scenes; any draws one for each."""
     theme: Annotated[str | None, default_hint("drawn")] = None
-    """Kind of place. Outdoor: car_park, hillside, industrial_yard, park, residential_street,
-    urban_block, waterfront. Indoor: apartments, fair, office, school, sports, station, supermarket,
-    warehouse. Mixed: hillside, industrial_yard, residential_street, urban_block, waterfront. With
-    --domain any, one of the domains that have the theme is drawn. A checkpoint of your own knows
+    """Kind of place. Outdoor: hillside, industrial_yard, old_town, park, residential_street,
+    retail_park, urban_block, village, waterfront. Indoor: apartments, clinic, fair, hotel, library,
+    office, restaurant, school, sports, station, supermarket, warehouse. Mixed: campus, hillside,
+    industrial_yard, residential_street, urban_block, waterfront. With --domain any, one of the domains that have the theme is drawn. A checkpoint of your own knows
     the themes of its corpus; the paper's knows none."""
     prompt: Annotated[str, default_hint("none")] = ""
     """Wishes in English, such as "a crowded harbour street with two cafes and no cars". The wishes

@@ -30,7 +30,7 @@ _OVER = 2
 """Factor by which the picture is drawn larger and then shrunk, for smooth lines."""
 _PAPER, _INK, _PALE, _RULE = "#fafaf8", "#1c2026", "#70767e", "#e2e2de"
 _COLOURS = ("#1f77b4", "#d1495b", "#2e8b57", "#b8860b", "#6a4c93", "#3d5a80", "#888888")
-_STAGES = ("writer", "denoiser", "prior")
+_STAGES = ("writer", "contents", "denoiser", "prior")
 _NOT_CURVES = frozenset({"stage", "step", "seconds", "gradient_norm", "learning_rate", "is_best"})
 _MARKED = "held_out"
 """Curve whose least point is marked, because those weights are kept."""

@@ -279,7 +279,7 @@ def test_progress_draws_noise_layouts_and_the_scene(tmp_path, capsys):
         (("--density", 9), "density 9.0 is out of range; valid: 0.2 to 2"),
         (("--density", "nan"), "density nan is out of range; valid: 0.2 to 2"),
         (("--density", 1.5, "--objects", 90), "density is 1.5 beside objects 90; valid: one of"),
-        (("--theme", "sea"), "theme is 'sea'; valid: apartments, car_park, "),
+        (("--theme", "sea"), "theme is 'sea'; valid: apartments, campus, "),
         (("--theme", "park", "--domain", "indoor"), "'park' for domain 'indoor'; valid: apart"),
         (("--theme", "park", "--preset", "paper"), "theme is 'park'; valid: no theme; the model"),
         (("--theme", "park", "--complete", "42"), "theme is 'park' beside a scene to complete"),

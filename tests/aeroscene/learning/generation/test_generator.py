@@ -34,7 +34,7 @@ def generator() -> Generator:
 def generated(generator: Generator) -> list[Generated]:
     """One scene of each domain."""
     domains = ("mixed", "outdoor", "indoor")
-    requests = [Request(seed=3 + i, domain=domain) for i, domain in enumerate(domains)]
+    requests = [Request(seed=5 + i, domain=domain) for i, domain in enumerate(domains)]
     return list(generator.generate(requests))
 
 
@@ -168,4 +168,4 @@ def test_a_draw_with_a_lot_that_nothing_leads_to_is_drawn_again(
     assert senseless(scene_of(away, bridge)) == "a bridge is over neither water nor road"
     reasons = iter(["no place", None])
     monkeypatch.setattr(generation, "senseless", lambda _: next(reasons))
-    assert generator.sound_scene(Request(seed=4, n_objects=40)).attempt == 1
+    assert generator.sound_scene(Request(seed=5, n_objects=40)).attempt == 1
