@@ -1,4 +1,9 @@
-"""Mapping: from depth images to known free space, and plans within it."""
+"""Mapping: from depth images to known free space, and plans within it.
+
+`SeenMap` grows from images: `rays` turns an image into marks on cells, `cell_states` and `renewal`
+keep distances up to date, and `plan_towards` (`exploring`, `errands`, `gestures`) explores with it.
+`GivenMap` and `WideMap` are known before the flight. `plan_within` plans through any of them.
+"""
 
 from autonomy.mapping.agenda import Agenda
 from autonomy.mapping.exploring import plan_towards

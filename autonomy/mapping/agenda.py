@@ -1,4 +1,8 @@
-"""Agenda of a vehicle that explores, kept from one plan to the next."""
+"""Agenda of a vehicle that explores, kept from one plan to the next.
+
+Each plan is made anew from the present map. Without a memory the vehicle would turn away from
+what it was about to look at, or look at the same hidden cells for ever. The agenda is that memory.
+"""
 
 from __future__ import annotations
 
@@ -12,26 +16,27 @@ from autonomy.planning.trajectory import Trajectory
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Errand:
-    """Cells on the way to a goal that must be seen first, and the place to see them from."""
+    """Unseen cells on the path to a goal, and the place from which to look at them."""
 
     path: Int[np.ndarray, "n 3"]
-    """Free cells to the place to look from; the last alone if that is where the vehicle is."""
+    """Free cells to the place to look from; only that place's cell once the vehicle is there."""
     targets: Int[np.ndarray, "k 3"]
+    """Cells to see."""
     facing_since: int | None = None
-    """Number of images taken before the camera faced the cells."""
+    """Value of `SeenMap.n_looks` when the camera began to face the cells; None before that."""
     needs_nod: bool = False
-    """Whether the cells are seen from there only when the vehicle tilts."""
+    """True if a level camera does not see the cells from there, so that the vehicle must tilt."""
     nods: int = 0
     """Number of nods so far."""
 
 
 @dataclass(kw_only=True, eq=False)
 class Agenda:
-    """The present errand and the last attempts."""
+    """Memory of one flight; `plan_towards` changes it with every plan."""
 
     errand: Errand | None = None
-    """Cells that the vehicle set out to look at, None without any."""
+    """Errand that the vehicle pursues; None without any."""
     searched_at: int = 0
-    """Number of images taken before the last search for a way."""
+    """Value of `SeenMap.n_looks` at the last search for a path."""
     plan: Trajectory | None = None
-    """Last plan that was made."""
+    """Last plan that was made; None before the first."""

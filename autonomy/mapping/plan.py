@@ -1,4 +1,4 @@
-"""A plan through any map: straight to the goal in a given one, step by step in one that grows."""
+"""Plan through any map: straight to the goal in a given one, step by step in one that grows."""
 
 from __future__ import annotations
 
@@ -16,14 +16,18 @@ from autonomy.types import FlatReference, Vector3
 def plan_within(
     known: Map, agenda: Agenda, start: FlatReference, goal_enu_m: Vector3, craft: Craft
 ) -> Trajectory:
-    """A certified trajectory to a goal, or towards it as far as is known.
+    """Plan a certified trajectory to a goal, or towards it as far as space is known to be free.
 
     Args:
         known: Map of the place.
-        agenda: What the vehicle remembers from plan to plan in a map that grows.
+        agenda: Memory of the vehicle from plan to plan; used and changed in a map that grows.
         start: State of the vehicle.
         goal_enu_m: Position to go to.
         craft: Vehicle that flies.
+
+    Returns:
+        A trajectory that ends at rest. In a map that grows it may end short of the goal, or be a
+        turn or a nod on the spot, see `plan_towards`.
 
     Raises:
         PlanningError: If there is none, with the reason.

@@ -1,4 +1,9 @@
-"""Viewpoints: lines of sight from a place through cells that are not occupied."""
+"""Viewpoints: lines of sight from a place through cells that are not occupied.
+
+A vehicle that must look at hidden cells can fly to many places. The search here spreads through the
+free cells from the vehicle and rates the view from each by the worth of the cells in it over the
+time to get there. It ends as soon as no place farther away could be rated higher.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +23,12 @@ _STEP = 0.5
 
 
 class Sight(NamedTuple):
-    """Lines of sight of a camera that turns about the vertical."""
+    """Limits of the lines of sight of a camera that turns about the vertical; lengths in cells."""
 
     least_rise: float
     """Least rise of a line of sight over its horizontal length."""
     most_rise: float
+    """Greatest rise, likewise."""
     least_length: float
     most_length: float
 
@@ -34,7 +40,14 @@ def visible(
     evidence: Int[np.ndarray, "nx ny nz"],
     sight: Sight,
 ) -> Bool[np.ndarray, " n"]:
-    """Whether a camera that turns about the vertical at a place sees each cell; units are cells."""
+    """Return whether a camera that turns about the vertical at a place sees each cell.
+
+    Args:
+        eye: Position of the camera, as an index of cells.
+        targets: Cells to see.
+        evidence: Evidence of each cell; occupied ones block the view.
+        sight: Limits of steepness and length of lines of sight.
+    """
     is_seen = np.zeros(len(targets), dtype=np.bool_)
     for n in range(len(targets)):
         is_seen[n] = _sees(eye, targets[n], evidence, sight)
@@ -43,6 +56,7 @@ def visible(
 
 @kernel
 def _sees(eye: np.ndarray, target: np.ndarray, evidence: np.ndarray, sight: Sight) -> bool:
+    """Return whether a camera sees a cell; see `visible`."""
     x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
     across = math.sqrt(x * x + y * y)
     length = math.sqrt(across * across + z * z)
@@ -54,6 +68,7 @@ def _sees(eye: np.ndarray, target: np.ndarray, evidence: np.ndarray, sight: Sigh
     for n in range(1, n_steps):
         s = n / n_steps
         i, j, k = round(eye[0] + s * x), round(eye[1] + s * y), round(eye[2] + s * z)
+        # The cell itself is unknown, or may be occupied: it does not hide itself.
         if i == target[0] and j == target[1] and k == target[2]:
             return True
         if evidence[i, j, k] >= OCCUPIED_AT:
@@ -73,7 +88,9 @@ def best_viewpoint(
     sight: Sight,
     pause: float,
 ) -> Int[np.ndarray, "k 3"]:
-    """Cell that free cells join to the start and from which most is seen for the way there.
+    """Find the cell from which most is seen for the time to get there.
+
+    Free cells join it to the start.
 
     Args:
         distance: Distance of each cell to the nearest that is not free.
@@ -81,7 +98,7 @@ def best_viewpoint(
         required: Least distance of cells to fly through.
         targets: Cells to see.
         weights: Worth of each target.
-        n_needed: Number of targets, the first ones, of which one must be seen.
+        n_needed: Number of targets at the beginning of which at least one must be seen.
         evidence: Evidence of each cell, which says whether it blocks sight.
         sight: Limits of steepness and length of lines of sight.
         pause: Number of cells that could be flown during a look.
@@ -90,6 +107,7 @@ def best_viewpoint(
         The cells from there back to the start, or none.
     """
     nx, ny, nz = distance.shape
+    # Dijkstra's search over steps along the axes; the queue may hold a cell several times.
     cost = np.full((nx, ny, nz), np.inf, dtype=np.float32)
     came_from = np.full(distance.size, -1, dtype=np.int32)
     first = (start[0] * ny + start[1]) * nz + start[2]
@@ -99,12 +117,13 @@ def best_viewpoint(
     found, best, most = -1, 0.0, weights.sum()
     while len(queue) > 0:
         so_far, here = heapq.heappop(queue)
+        # Cells come out of the queue by distance, and no view is worth more than all targets.
         if most / (pause + so_far) <= best:
             break
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
         if so_far > cost[i, j, k]:
             continue
-        # Every fourth cell is enough.
+        # Every fourth cell is enough: a view changes little from cell to cell, and takes long.
         if here == first or ((i + j) % 2 == 0 and k % 2 == 0):
             eye[0], eye[1], eye[2] = i, j, k
             worth = _worth(eye, targets, weights, n_needed, evidence, sight) / (pause + so_far)
@@ -131,7 +150,11 @@ def _worth(
     evidence: np.ndarray,
     sight: Sight,
 ) -> float:
-    """Sum of the weights of the visible targets; 0 if none of the needed ones is visible."""
+    """Return the sum of the weights of the visible targets.
+
+    It is 0 if none of the first `n_needed` is visible: a view of what comes later alone would not
+    lead any further.
+    """
     worth = 0.0
     for n in range(len(targets)):
         if n == n_needed and worth == 0.0:

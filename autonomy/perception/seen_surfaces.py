@@ -21,6 +21,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
+from autonomy.pages import untouched_zeros
 from autonomy.types import Vector3
 
 CELL_M = 0.5
@@ -68,10 +69,10 @@ def no_surfaces(low_enu_m: Vector3, high_enu_m: Vector3) -> Surfaces:
     return Surfaces(
         corner=corner,
         cell=CELL_M,
-        counts=np.zeros(shape, dtype=np.int32),
-        sums=np.zeros((*shape, 3), dtype=np.float32),
-        squares=np.zeros((*shape, 6), dtype=np.float32),
-        planes=np.zeros((*shape, 5), dtype=np.float32),
+        counts=untouched_zeros(shape, np.int32),
+        sums=untouched_zeros((*shape, 3), np.float32),
+        squares=untouched_zeros((*shape, 6), np.float32),
+        planes=untouched_zeros((*shape, 5), np.float32),
     )
 
 

@@ -106,6 +106,8 @@ class Senses:
             expects_traffic: True to look out for movers.
         """
         self._world, self._frames = world, frames
+        # Asked once: the answer is kept by the scene, whose hash takes milliseconds.
+        self._has_neighbours = expects_traffic and bool(neighbours_of(world.scene))
         self._anchor = _anchor(world)
         self._tracker = _tracker(world) if expects_traffic else None
         self.looks_ahead = expects_traffic or not world.is_known
@@ -165,7 +167,7 @@ class Senses:
         everything well beyond its sides counts as standing.
         """
         distance_m = self._world.map.static_distance_m(points_enu_m)
-        if not neighbours_of(self._world.scene):
+        if not self._has_neighbours:
             return distance_m
         scene, place = self._world.scene, points_enu_m[:, :2]
         low, high = (np.array(end[:2]) for end in (scene.extent_min_enu_m, scene.extent_max_enu_m))

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from autonomy.mapping import Agenda, SeenMap, plan_towards
+from autonomy.mapping.rays import OCCUPIED_AT
+from autonomy.mapping.seen_map_cfg import SeenMapCfg
 from autonomy.planning import (
     BlockedError,
     CertificateError,
@@ -52,9 +54,9 @@ def plan(seen, start, goal, agenda=None):
     return plan_towards(seen, agenda or Agenda(), start, goal, craft)
 
 
-def fly(boxes, goal, seconds=60.0):
+def fly(boxes, goal, seconds=60.0, cfg=None):
     """Follow plans exactly, with an image five times a second; where the vehicle was."""
-    seen = SeenMap(LOW, HIGH)
+    seen = SeenMap(LOW, HIGH, cfg)
     seen.assume_free_column((0.0, 0.0, 0.0))
     seen.observe(look(START, boxes))
     agenda, way, at = Agenda(), None, 0.0
@@ -94,6 +96,37 @@ def test_a_gap_in_a_wall_is_found_and_passed(gap_y):
     flown = fly(boxes, goal)
     assert math.dist(flown[-1], goal) < 0.05
     assert true_obstacles(boxes).signed_distance(flown)[0].min() > RADIUS_M
+
+
+def test_a_goal_beyond_the_block_of_a_search_is_reached_past_a_wall():
+    boxes = SHELL + wall_with_gap(3.0, 2.5)
+    goal = (12.0, 0.0, 2.0)
+    flown = fly(boxes, goal, cfg=SeenMapCfg(most_whole_cells=1, search_m=8.0))
+    assert math.dist(flown[-1], goal) < 0.05
+    assert true_obstacles(boxes).signed_distance(flown)[0].min() > RADIUS_M
+
+
+def test_a_goal_whose_way_out_of_the_block_is_closed_is_refused():
+    seen = SeenMap(LOW, HIGH, SeenMapCfg(most_whole_cells=1, search_m=8.0))
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    seen.evidence[20:] = OCCUPIED_AT
+    seen._change(np.array([(20, 0, 0), seen.evidence.shape]))
+    with pytest.raises(UnreachableError, match="is closed at"):
+        plan(seen, START, (13.0, 0.0, 2.0))
+
+
+def test_a_plan_that_is_flown_on_has_no_distances_computed():
+    seen = SeenMap(LOW, HIGH)
+    seen.assume_free_column((0.0, 0.0, 0.0))
+    for _ in range(2):
+        seen.observe(look(START, SHELL))
+    agenda = Agenda()
+    now = plan(seen, START, (13.0, 0.0, 2.0), agenda).sample(1.0)
+    assert np.all(seen._changed[0] >= seen._changed[1])
+    seen.observe(look(now, SHELL))
+    with pytest.raises(PlanningError, match="1 images were taken"):
+        plan(seen, now, (13.0, 0.0, 2.0), agenda)
+    assert np.all(seen._changed[0] < seen._changed[1])
 
 
 def test_a_wall_without_a_gap_is_given_up():

@@ -71,17 +71,18 @@ def test_distances_renewed_about_random_changes_are_those_of_the_whole_map(resol
             change(seen, rng)
         if rng.random() < 0.2:
             needed_m = rng.uniform(0.3, 1.0)
-        route_m = seen.route_m(needed_m)
+        block = seen.search_block(np.zeros(3, dtype=np.int64))
+        route_m = seen.route_in(block, needed_m).distance_m
         free_m = walled(seen.evidence > FREE_AT, cfg)
         np.testing.assert_allclose(seen.field.distance_m, free_m, atol=1e-6)
         np.testing.assert_allclose(route_m, whole_route(seen.evidence, cfg, needed_m), atol=1e-6)
         layers = np.flatnonzero((seen.field.distance_m >= np.float32(needed_m)).any(axis=(0, 1)))
-        assert seen.seen_room(needed_m).top == (layers[-1] if len(layers) else -1)
+        assert seen.seen_room(block, needed_m).top == (layers[-1] if len(layers) else -1)
 
 
 def test_cells_that_no_image_showed_are_not_touched():
     seen = SeenMap((0.0, 0.0, 0.0), (40.0, 40.0, 10.0))
-    seen.route_m(0.5)
+    seen.route_in(seen.search_block(np.zeros(3, dtype=np.int64)), 0.5)
     untouched = seen._distances.to_not_free
     untouched[60:] = np.nan
     seen.evidence[10:20, 10:20, 10:20] = MOST_FREE

@@ -1,6 +1,8 @@
 """What depth images say of cells: free, occupied, unknown; and the obstacles that follow."""
 
 import math
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import given, settings
 from autonomy.mapping import SeenMap
 from autonomy.mapping.distances import boxes_about
 from autonomy.mapping.rays import FREE_AT, HIT, MOST_OCCUPIED, OCCUPIED_AT
+from autonomy.mapping.seen_map_cfg import SeenMapCfg
 from tests.autonomy.depth_scene import box, look_down
 from tests.autonomy.mapping.whole import distance_to_marked
 from tests.autonomy.planning_worlds import seeds
@@ -187,3 +190,83 @@ def test_what_stands_is_told_from_what_only_passed():
     standing = seen.distance_to_seen_m(points, MOST_OCCUPIED)
     assert standing[0] == pytest.approx(0.0)
     assert standing[1] == pytest.approx(1.25)
+
+
+@given(seeds)
+@settings(max_examples=8)
+def test_an_image_counts_once_for_each_cell_and_alike_in_a_map_that_cuts_it(seed):
+    rng = np.random.default_rng(seed)
+    eye = tuple(rng.uniform((-2, -2, 1), (2, 2, 3)))
+    boxes = [box(rng.uniform((2, -4, 0), (8, 4, 4)), rng.uniform(0.1, 2, 3)) for _ in range(8)]
+    half = rng.uniform(-1.5, 1.5)
+    image = look_ahead(eye, boxes, quat=(math.cos(half), 0.0, 0.0, math.sin(half)))
+    whole = SeenMap((-20.0, -20.0, -12.0), (20.0, 20.0, 16.0))
+    part = SeenMap((-1.0, -1.5, 0.5), (6.0, 2.0, 4.0))
+    for seen in (whole, part):
+        seen.observe(image)
+    assert set(np.unique(whole.evidence)) == {-1, 0, HIT}
+    first = whole.cells(part.centres(np.zeros(3, dtype=int)))
+    cut = tuple(slice(a, a + n) for a, n in zip(first, part.evidence.shape, strict=True))
+    assert np.array_equal(part.evidence, whole.evidence[cut])
+
+
+@given(seeds)
+@settings(max_examples=10)
+def test_distances_at_points_are_those_to_the_boxes_about_what_is_not_free(seed):
+    rng = np.random.default_rng(seed)
+    seen = SeenMap((0.0, 0.0, 0.0), (5.0, 4.0, 3.0))
+    seen.evidence[rng.random(seen.evidence.shape) < rng.uniform(0.9, 1.0)] = FREE_AT
+    points = rng.uniform((0.0, 0.0, 0.0), (5.0, 4.0, 3.0), (60, 3))
+    is_free = seen.evidence[tuple(seen.cells(points).T)] <= FREE_AT
+    away_m = seen.obstacles.signed_distance(points)[0]
+    expected = np.where(is_free, np.minimum(away_m, seen.cfg.cap_m), 0.0)
+    np.testing.assert_allclose(seen.distance_m(points), expected, atol=1e-6)
+
+
+MEMORY = Path("/proc/self/statm")
+
+
+def resident_mb():
+    return int(MEMORY.read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+@pytest.mark.skipif(not MEMORY.exists(), reason="reads Linux's own figures")
+def test_a_map_of_a_district_takes_memory_for_what_is_seen_alone():
+    SeenMap(LOW, HIGH).route_in(np.array([(0, 0, 0), (9, 9, 9)]), 0.5)
+    before_mb = resident_mb()
+    seen = SeenMap((-200.0, -200.0, 0.0), (200.0, 200.0, 60.0))
+    for _ in range(2):
+        seen.observe(look_ahead())
+    block = seen.search_block(seen.cells(np.array(EYE)))
+    route_m = seen.route_in(block, 0.5).distance_m
+    assert seen.seen_room(block, 0.5).top > 0
+    # An array of bytes for each cell would take 600 MB, one of distances 2,300 MB.
+    assert route_m.nbytes / 2**20 < resident_mb() - before_mb < 400
+    assert state(seen, 3.0, 0.0, 2.0) == "free"
+    assert seen.distance_m(np.array([(3.0, 0.0, 2.0)]))[0] > 0.5
+
+
+@given(seeds)
+@settings(max_examples=8)
+def test_a_wide_map_has_the_routes_of_any_other_in_the_block_of_a_search(seed):
+    rng = np.random.default_rng(seed)
+    usual = SeenMap(LOW, HIGH)
+    wide = SeenMap(LOW, HIGH, SeenMapCfg(most_whole_cells=1, search_m=3.0))
+    assert wide.is_wide
+    assert not usual.is_wide
+    boxes = [box(rng.uniform((2, -4, 0), (8, 4, 4)), rng.uniform(0.1, 2, 3)) for _ in range(8)]
+    for _ in range(3):
+        y = rng.uniform(-1, 1)
+        for seen in (usual, wide):
+            seen.observe(look_ahead((0.0, y, 2.0), boxes))
+    cell = usual.cells(rng.uniform(LOW, HIGH))
+    block = wide.search_block(cell)
+    assert np.all(block[1] - block[0] <= 25)
+    cut = tuple(slice(a, b) for a, b in block.T)
+    expected = usual.route_in(usual.search_block(cell), 0.6).distance_m[cut]
+    found = wide.route_in(block, 0.6)
+    assert np.array_equal(found.distance_m, expected)
+    np.testing.assert_allclose(found.centres(cell - block[0]), usual.centres(cell))
+    room = wide.seen_room(block, 0.6)
+    layers = np.flatnonzero((usual.field.distance_m[cut] >= np.float32(0.6)).any(axis=(0, 1)))
+    assert room.top == (layers[-1] if len(layers) else -1)
