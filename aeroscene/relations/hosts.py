@@ -1,9 +1,9 @@
 """Possible hosts of an object, ranked by facts that are known before any place is.
 
 A host is the object that another one relates to, such as the table of a chair. Its rank is its
-index in the list of possible hosts, 0 for the likeliest one. The list follows from categories, parents
-and the order of drawing alone. A model that has not drawn any place yet therefore reads the same
-host from a rank as the parser that gave it. A list has at most 24 hosts (`MAX_HOSTS`), and an
+index in the list of possible hosts, 0 for the likeliest one. The list follows from categories,
+parents and the order of drawing alone. A model that has not drawn any place yet therefore reads the
+same host from a rank as the parser that gave it. A list has at most 24 hosts (`MAX_HOSTS`), and an
 object whose host would come later gets another relation.
 """
 
