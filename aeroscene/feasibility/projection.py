@@ -41,7 +41,10 @@ class FeasibilityCfg:
     least_passage_m: float = 0.0
     """Least width of doors and corridors; else the scene is rejected."""
     pinned: frozenset[int] = frozenset()
-    """Ids of objects that stay exactly as they are, including all coarse ones; others make room."""
+    """Ids of objects that stay exactly as they are; all others move to make room, or are dropped.
+
+    If you pin any object, list the ids of all coarse objects too. They are not pinned by
+    themselves, and the stages that fit walls, floors and roofs do not run beside pinned objects."""
     land_seed: int | None = None
     """Seed of the relief that is raised in the projected scene; without it the ground stays."""
     is_validated: bool = True
@@ -53,24 +56,31 @@ class Feasible:
     """A projected scene."""
 
     scene: Scene
-    """The scene with areas; if the report names a rejection, the state at which it failed."""
+    """The projected scene with its areas.
+
+    It is the sampled scene, unchanged, if `report.rejection` names a layout that no document can
+    hold, a geometry without area, or a scene without a start. After any other rejection it is the
+    projected scene that was refused."""
     report: FeasibilityReport
+    """Changes by the projection. `report.rejection` is the reason why the scene cannot be used;
+    None if it can."""
 
 
 def make_feasible(scene: Scene, cfg: FeasibilityCfg | None = None) -> Feasible:
     """Project a scene: coarse objects first, then fine ones on their bearers.
 
     Boxes of the sampled scene may overlap, float or lie outside of the extent; its areas are
-    ignored. A scene without a start pad starts on free ground from which a landing area can be
-    reached.
+    ignored, and derived anew from the geometry. Objects for which there is no place are dropped. A
+    scene without a start pad starts on free ground from which a landing area can be reached.
 
     Args:
         scene: Sampled scene.
         cfg: Demands; the defaults if None.
 
     Returns:
-        The projected scene with a report. Nothing is raised for a poor draw: its report names a
-        rejection.
+        The projected scene with a report. Nothing is raised for a poor draw. Instead,
+        `Feasible.report.rejection` is a text that says why the scene cannot be used; it is None if
+        the scene is fine.
     """
     cfg = cfg or FeasibilityCfg()
     layout = layout_of(scene, cfg.pinned)

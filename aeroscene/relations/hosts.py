@@ -1,7 +1,10 @@
 """Possible hosts of an object, ranked by facts that are known before any place is.
 
-The ranks follow from categories, parents and the order of drawing alone. A model that has not drawn
-any place yet therefore reads the same host from a rank as the parser that gave it.
+A host is the object that another one relates to, such as the table of a chair. Its rank is its
+index in the list of possible hosts, 0 for the likeliest one. The list follows from categories,
+parents and the order of drawing alone. A model that has not drawn any place yet therefore reads the
+same host from a rank as the parser that gave it. A list has at most 24 hosts (`MAX_HOSTS`), and an
+object whose host would come later gets another relation.
 """
 
 from __future__ import annotations
@@ -29,7 +32,9 @@ def is_furniture(category_id: int) -> bool:
 def turn_of(category_id: int) -> int:
     """Return the turn in which an object is drawn, 0 to 2.
 
-    Coarse objects come first, then the stairs that lead up to them, then all others.
+    Coarse objects come first. Stairs come second, because they lead up to a coarse object, their
+    host. Furniture and all other fine objects come last: an object that was drawn first keeps its
+    place when a program is decoded, so furniture makes room for stairs.
     """
     category = CATALOGUE[category_id]
     if category.name in STAIRS:
@@ -95,8 +100,10 @@ class Standing:
         """Return the possible hosts of an object in a relation, the likeliest first.
 
         Objects inside of something have their parent as host. At tables, beside, over and facing,
-        hosts are the objects with the same parent, the last one first. Some categories have hosts
-        of their own before these: a traffic light the roads, a plate the chairs, stairs the levels.
+        hosts are the objects with the same parent, the last one first. A plate, or any other object
+        beside something on a table, has the chairs of that table before these, the first one first.
+        Some categories have other hosts: a traffic light the roads, stairs the levels. A vehicle in
+        a lane has the road that bears it, then the other roads in the order of drawing.
 
         Args:
             kind: Kind of the relation.

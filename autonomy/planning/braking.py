@@ -6,6 +6,10 @@ drawn: straight stops, stops on the plan, and stops beside, above and below them
 be proved is taken, ordered by time and distance aside. The proof extends past its end, where the
 vehicle stands, to the horizon of the movers' prediction.
 
+`brake` gives the goal up for now: its trajectory ends at rest, somewhere near. `replan`
+(`autonomy.planning.replanning`, with `evasion` for its candidate paths) keeps the goal instead and
+bends the rest of the plan around movers. A pilot replans first, and brakes if that fails.
+
 Source: motions of least jerk and their test as in Mueller, Hehn and D'Andrea 2015; a stop that is
 always at hand as in Tordesillas et al. 2019 (FASTER).
 """
@@ -53,16 +57,17 @@ def brake(
 
     The arguments are those of `replan`, but `previous` may be any trajectory. `at_time_s` may be
     later than its end, where the vehicle stands. After the stop the vehicle also stands clear of
-    moving obstacles until the prediction's horizon.
+    moving obstacles until the prediction's horizon. Nothing is proved about the time after it.
 
     Returns:
         A trajectory without a corridor: `plan_trajectory` goes on from its end.
 
     Raises:
         LimitsError: If the start is beyond the limits.
-        EvasionError: If there are moving obstacles and no stop is clear of them; without `moving`
-            one may still exist.
-        CertificateError: If nothing moves and no stop could be proved.
+        EvasionError: If `moving` holds obstacles and no stop could be proved. The movers or the
+            static scene may be the cause. To find out, call `brake` again without `moving`: a stop
+            that it then returns is clear of the static scene alone.
+        CertificateError: If `moving` is empty and no stop could be proved.
     """
     begin = previous.sample(at_time_s) if start is None else start
     moving = no_nearer(moving, np.array(begin.position_enu_m), craft.keep_m)

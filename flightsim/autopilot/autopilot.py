@@ -205,7 +205,10 @@ class Autopilot:
 
     @property
     def health(self) -> Health:
-        """Health of the sensors and estimates, up to half a second old."""
+        """Health of the sensors and estimates, up to half a second old.
+
+        `run_prearm_checks` renews it at once, and so does `arm` unless it is forced.
+        """
         return self._checks.health
 
     @property
@@ -257,7 +260,11 @@ class Autopilot:
         return self._commander.arm(is_forced=is_forced)
 
     def disarm(self, *, is_forced: bool = False) -> Reply:
-        """Stop the rotors; without `is_forced` the request is rejected in the air."""
+        """Stop the rotors; without `is_forced` the request is rejected in the air.
+
+        The vehicle may be armed again afterwards, also in the air. A mode that ends with its
+        flight, such as Mode.TERMINATION, becomes Mode.HOLD.
+        """
         return self._commander.disarm(is_forced=is_forced)
 
     def set_mode(self, mode: Mode) -> Reply:
@@ -304,7 +311,11 @@ class Autopilot:
         return self._commander.request(Mode.MISSION)
 
     def terminate(self) -> Reply:
-        """Stop the rotors irrevocably, even in the air. Only disarming ends this state."""
+        """Stop the rotors for the rest of this flight, even in the air (Mode.TERMINATION).
+
+        While the vehicle is armed, no other mode is accepted and no failsafe acts. It leaves this
+        state by `disarm`, which must be forced in the air. It may then be armed for a new flight.
+        """
         self._commander.terminate()
         return ACCEPTED
 

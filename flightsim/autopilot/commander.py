@@ -162,7 +162,7 @@ class Commander:
         return ACCEPTED
 
     def terminate(self) -> None:
-        """Stop the rotors irrevocably, even in the air."""
+        """Stop the rotors until the vehicle is disarmed, even in the air."""
         self._flight.events.say(Severity.EMERGENCY, "Flight termination")
         self._enter(Mode.TERMINATION, None)
 

@@ -26,7 +26,7 @@ class Mode(Enum):
     DESCEND = "Descend"
     """Blind descent of a failsafe without a position; clients cannot choose it."""
     TERMINATION = "Termination"
-    """Rotors stopped irrevocably; only disarming leaves this mode."""
+    """Rotors stopped for the rest of the flight; only disarming leaves this mode."""
 
 
 STICK_MODES = frozenset({Mode.MANUAL, Mode.STABILIZED, Mode.ACRO, Mode.ALTITUDE, Mode.POSITION})

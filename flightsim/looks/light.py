@@ -1,12 +1,14 @@
 """Light as one number per point: 0 in the deepest shade, 1 in full sun.
 
-Both renderers convert it to colour by `Light.rgb`. OpenGL has no such number per mesh point, but
-computes one from a normal, the cosine to the sun: `Light.normals` gives the normal that yields the
-number. Shade, shadows and lamps thus cost nothing when a picture is drawn.
+Both renderers convert it to colour by `Light.rgb`. OpenGL takes no such number with a mesh point,
+but it takes a normal, and computes the cosine of its angle to the sun. `Light.normals` therefore
+returns normals, not those of the surface, whose cosine is the number. Shade, shadows and lamps thus
+cost nothing when a picture is drawn.
 
 A `Light` is derived from the weather and the place. It says how much the sun and the sky add to the
 number, and which two colours the number lies between. In the dark the upper colour is that of
-lamps, so that lit rooms and street lamps need no other mechanism than sunlight does.
+lamps, so that lit rooms and street lamps need no other mechanism than sunlight does. There is no
+moon: at night only the open sky and lamps give light.
 """
 
 from __future__ import annotations
@@ -53,7 +55,9 @@ class Light:
     sun_direction: Direction = AFTERNOON_SUN
     """Direction of sunlight, ENU, of unit length and always downwards.
 
-    While the sun is down it is that of the afternoon: it then only encodes the number."""
+    While no sunlight reaches the ground (sun below the horizon, closed clouds, or fog with less
+    than 1 km of visibility) it is the direction of the afternoon. It then only encodes the number.
+    `sky.to_sun` always points to the sun itself."""
     ambient_rgb: Colour = (0.30, 0.33, 0.38)
     """Colour of light 0."""
     sun_rgb: Colour = (0.76, 0.71, 0.63)

@@ -62,7 +62,7 @@ class SitlCommand(SitlCfg):
     map (FILE.osm#W,S,E,N in degrees, also .osm.gz, .osm.pbf and .geojson)."""
     bounds: Annotated[str, tyro.conf.arg(metavar="W,S,E,N", help_behavior_hint="")] = ""
     """Part of a map to fly in: west, south, east and north in degrees, up to 400 x 400 m. By
-    default, all of a small map. Write --bounds=-0.13,51.51,-0.12,51.52 if the first is negative."""
+    default, all of a small map."""
 
     def __post_init__(self) -> None:
         """Refuse invalid options, two scenes, and bounds of a scene that is no map."""

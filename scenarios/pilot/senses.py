@@ -200,7 +200,8 @@ class Senses:
     def take(self, camera: str) -> DepthImage:
         """Take a depth image in the map's frame.
 
-        The image also updates the place in the map, the movers and a growing map.
+        The image also updates the place in the map, the movers and a growing map. Each call renders
+        an image, so call it once for a camera and a tick and pass the result on.
 
         Raises:
             NoDepthError: If nothing was measured.
@@ -224,7 +225,14 @@ class Senses:
         return image
 
     def take_place(self) -> PlaceFix | None:
-        """The place that the latest image found, once; None unless the autopilot lacks it."""
+        """Return the place that the autopilot should be sent, and forget it.
+
+        While the vehicle is adrift (`is_adrift`), each image that determines the place by itself,
+        to 0.25 m or better, leaves one here.
+
+        Returns:
+            The newest place since the last call; None if no image gave one.
+        """
         place, self._place = self._place, None
         return place
 
@@ -249,9 +257,10 @@ class Senses:
     def is_adrift(self) -> bool:
         """True if neither satellites nor odometry seem to measure the position.
 
-        Either the autopilot says so itself, or the course of its claimed deviation shows it. Places
-        sent from here do not count as a source, so the state lasts until there are satellites
-        again.
+        Either the autopilot says so itself, or the course of its claimed deviation shows it. Once
+        an image has given a place for the autopilot (`take_place`), the state lasts until the
+        receiver has a fix. The places themselves may end the autopilot's complaint, but they come
+        from this pilot, which must therefore go on sending them.
         """
         return self._tells_place or self._estimate.is_dead_reckoning or self._trust.is_adrift
 

@@ -3,6 +3,10 @@
 Values of a compiled message are written as doubles, by the names of its fields, into
 `VALUES_DTYPE`. Their order on the wire and their types are those of the dialect's message classes,
 so that a filling function never deals with bytes.
+
+Another message is compiled in three steps: add its name to a group of `_TOGETHER`; fill its fields
+and `is_known` in the function of that group, which `kernel._fill` calls (it lies in `motion.py`,
+`navigation.py` or `readings.py`); and give its constant fields their values in `told.py`.
 """
 
 from __future__ import annotations
@@ -69,7 +73,11 @@ PARTNER_DTYPE = np.dtype(
 """A partner: how it is served, and the addresses of its calendar and its frames."""
 
 WAITS, FRAMED, ONE_BY_ONE = range(3)
-"""Ways to serve a partner: not in this tick, with MAVLink 2 frames, or as Python does it."""
+"""Ways to serve a partner in a tick.
+
+`WAITS`: its transport lags behind, so nothing is sent until it has caught up. `FRAMED`: the kernel
+writes plain MAVLink 2 frames. `ONE_BY_ONE`: Python frames each message by itself, because the
+partner speaks MAVLink 1 or wants signatures."""
 
 VIEW_DTYPE = np.dtype(
     [

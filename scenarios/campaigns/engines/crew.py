@@ -18,7 +18,10 @@ from scenarios.campaigns.engines.schedule import Schedule
 from scenarios.campaigns.flyer import Mishap, Row, Trial, blank_row, failure
 
 _GRACE_S = 3.0
-"""Time beyond the patience, in which a worker can end a trial of a program by itself."""
+"""Time beyond the patience, after which the crew ends a worker.
+
+A worker that flies an external program ends the trial itself when the patience is over. It needs a
+moment for that, and then goes on with the next trial."""
 _READY_S = 600.0
 """Time in which the first worker must be ready to fly."""
 _MOST_STILLBORN = 3
@@ -113,8 +116,13 @@ class Crew:
     def fly(self, trials: Sequence[Trial]) -> Iterator[Row]:
         """Yield the rows of all trials, in the order in which they end.
 
+        A trial whose worker dies is flown once more, because the worker may have been the cause. A
+        trial whose worker hangs is not: it fails at once as `hung`, since a second try could take
+        the whole patience again.
+
         Raises:
-            WorkerError: If a worker reports that it cannot fly at all, or none gets ready.
+            WorkerError: If a worker reports that it cannot fly at all, if three workers in a row
+                end before they flew, or if no worker at all was ready within 600 s.
         """
         self._schedule = Schedule(trials)
         looked_s = self._clock()

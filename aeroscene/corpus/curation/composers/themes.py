@@ -122,8 +122,12 @@ class Theme:
     plans: Mapping[str, float]
     """Ground plans and their weights."""
     always: Sequence[Sequence[str]] = ()
-    """Rows of kinds: one of each row is certain, as far as parcels fit, the best parcel for the
-    first.
+    """Rows of kinds. One kind of each row is drawn, and it gets a parcel before `others` do.
+
+    A site is taken only if each row has a parcel that is free and large enough for every kind of
+    the row, so that any of them can be drawn. One large kind thus makes a row hard to fit. Parcels
+    are filled from the largest to the smallest, and each gets the first row that still waits and
+    whose kind fits. If two rows need the same parcel, the later row may go without.
     """
     others: Mapping[str, float]
     """Kinds of the other parcels and their weights."""
@@ -186,7 +190,7 @@ def _lay_fitting_site(builder: Builder, rng: np.random.Generator, theme: Theme) 
 
 
 def _suits(kinds: Sequence[str], parcel: Parcel) -> bool:
-    """Return true if a parcel is free for all of some kinds and large enough."""
+    """Return true if a parcel has no use yet and is large enough for every one of some kinds."""
     return not parcel.uses and all(KINDS[kind].fits(parcel) for kind in kinds)
 
 

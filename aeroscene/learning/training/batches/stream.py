@@ -9,9 +9,9 @@
 
 A network memorises a fixed set of scenes, while new ones cost little. The stream is the first
 stretch (the training split that is there, which also fixes vocabulary and statistics) and, after
-it, the training numbers beyond. Batch k is drawn from places o_k to o_k + P of the stream, so it
-depends on the seed and on k alone, whatever the number of workers. A scene with an object of a kind
-that the first stretch lacks leaves its place empty.
+it, the training numbers beyond. Batch k is drawn from the P places o_k, ..., o_k + P - 1 of the
+stream, so it depends on the seed and on k alone, whatever the number of workers. A scene with an
+object of a kind that the first stretch lacks leaves its place empty.
 """
 
 from __future__ import annotations
