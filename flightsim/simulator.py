@@ -52,6 +52,18 @@ class Server(Protocol):
         ...
 
 
+class Interlude(Protocol):
+    """Someone outside who may stop time, and who has work for the time between two ticks."""
+
+    def may_step(self, timeout_s: float) -> bool:
+        """Whether time may pass; waits a moment while it may not."""
+        ...
+
+    def idle(self, seconds: float) -> None:
+        """Work for so long, where the loop would otherwise sleep."""
+        ...
+
+
 class SpeedError(ValueError):
     """The speed of the loop is invalid."""
 
@@ -70,7 +82,11 @@ class Timing:
 
 
 class Simulator:
-    """Steps all parts by 20 ms of simulated time, at the requested speed."""
+    """Steps all parts by 20 ms of simulated time, at the requested speed.
+
+    Attributes:
+        interlude: Works between ticks, and may stop time; None sleeps.
+    """
 
     def __init__(
         self,
@@ -97,6 +113,7 @@ class Simulator:
         self._autopilot = autopilot
         self._mavlink_server = mavlink_server
         self._observers = observers
+        self.interlude: Interlude | None = None
         self._is_stopping = False
         self._tick_s = tick_seconds(speed)
         self._ns = [0, 0, 0, 0]
@@ -159,7 +176,9 @@ class Simulator:
 
     def _may_step(self) -> bool:
         """Whether time may pass; waits a moment for a client that keeps it."""
-        server = self._mavlink_server
+        server, interlude = self._mavlink_server, self.interlude
+        if interlude is not None and not interlude.may_step(_LOCKSTEP_WAIT_S):
+            return False
         return server is None or server.wait_for_tick(_LOCKSTEP_WAIT_S)
 
     def _wait(self, deadline_s: float) -> float:
@@ -167,7 +186,10 @@ class Simulator:
         now_s = time.perf_counter()
         ahead_s = deadline_s - now_s
         if ahead_s >= _SHORTEST_SLEEP_S:
-            time.sleep(ahead_s)
+            if self.interlude is None:
+                time.sleep(ahead_s)
+            else:
+                self.interlude.idle(ahead_s)
             self._idle_s += time.perf_counter() - now_s
         elif ahead_s < -_FORGIVEN_LATENESS_S:
             return now_s

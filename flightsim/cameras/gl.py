@@ -34,6 +34,8 @@ from flightsim.world import World
 _SPARE_GEOMS = 16
 _Kind = Literal["fast", "fine", "depth", "ids"]
 """What a stage draws."""
+_LEVEL = 1e-6
+"""Sine of a roll that no picture shows."""
 _ID_FLAGS = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
 
 
@@ -78,7 +80,16 @@ class GlCameraRenderer:
         """See `CameraRenderer`; drawn from the solids of the physics, each one object's."""
         stage = self._stage("ids")
         stage.poses.update(data)
-        colours, _ = stage.draw(stage.poses.viewpoint(camera_name), has_vehicle=False)
+        return self._ids(stage, stage.poses.viewpoint(camera_name))
+
+    def render_ids_from(self, data: mujoco.MjData, view: Viewpoint) -> np.ndarray:
+        """See `CameraRenderer`."""
+        stage = self._stage("ids")
+        stage.poses.update(data)
+        return self._ids(stage, view)
+
+    def _ids(self, stage: _Stage, view: Viewpoint) -> np.ndarray:
+        colours, _ = stage.draw(view, has_vehicle=False)
         index = colours.astype(np.int32) @ np.array([1, 1 << 8, 1 << 16], dtype=np.int32)
         return stage.object_ids(self._world.geom_object_id)[index]
 
@@ -234,7 +245,7 @@ class _Stage:
         return table
 
     def _aim(self, view: Viewpoint) -> None:
-        """Aim MuJoCo's free camera, which has no roll, or use the fixed one of the view's name."""
+        """Aim MuJoCo's free camera, or use the fixed one of the view's name."""
         name = self._name_in_model(view.name)
         camera_id = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_CAMERA, name)
         if camera_id >= 0:
@@ -267,6 +278,16 @@ class _Stage:
         finally:
             groups[:] = saved_groups
             self._model.vis.global_.fovy = saved_fov
+        if self._camera.type == mujoco.mjtCamera.mjCAMERA_FREE:
+            self._roll(view)
+
+    def _roll(self, view: Viewpoint) -> None:
+        """Turn the picture about its axis: MuJoCo's free camera keeps its right side level."""
+        right, down, _ = view.rotation_enu_from_optical.T
+        if abs(right[2]) < _LEVEL and down[2] <= 0.0:
+            return
+        for eye in self._scene.camera:
+            eye.up[:] = -down
 
     def _in_view(self, view: Viewpoint) -> np.ndarray:
         """(ngeom,) bool: whether the geom's bounding sphere meets the view's pyramid."""

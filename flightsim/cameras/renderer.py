@@ -42,7 +42,7 @@ class CameraRenderer(Protocol):
         ...
 
     def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
-        """Frame of an on-board camera that is held at a viewpoint without roll."""
+        """Frame of an on-board camera that is held at a viewpoint."""
         ...
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
@@ -51,6 +51,10 @@ class CameraRenderer(Protocol):
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
         """Object ids (height, width) int32 of the pixels of `render`."""
+        ...
+
+    def render_ids_from(self, data: mujoco.MjData, view: Viewpoint) -> np.ndarray:
+        """Object ids (height, width) int32 of the pixels of `render_from`."""
         ...
 
     def render_view(

@@ -80,6 +80,11 @@ class SitlCfg:
     for rmw_zenoh."""
     ros2_domain: Annotated[int | None, Range(0, MAX_DOMAIN), _UNSET] = None
     """Domain of ROS 2; by default what ROS_DOMAIN_ID says, or 0."""
+    airsim: bool = False
+    """Answer the API of AirSim's multirotors, so that scripts for AirSim fly here; see
+    docs/airsim.md."""
+    airsim_port: Annotated[int, Range(1, 65535)] = 41451
+    """TCP port of AirSim's API."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""

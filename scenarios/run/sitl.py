@@ -114,6 +114,10 @@ class Sitl:
                 from scenarios.run.ros2 import open_door
 
                 open_door(cfg, self.bench, self.flights, stack)
+            if cfg.airsim:
+                from scenarios.run.airsim import open_airsim
+
+                open_airsim(cfg, self.bench, self.flights, stack)
             opening.pop_all()
 
     def _open_flights(

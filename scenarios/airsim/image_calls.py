@@ -1,0 +1,234 @@
+"""Calls about cameras: images, poses and lenses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from scenarios.airsim import pictures
+from scenarios.airsim.control_calls import Find
+from scenarios.airsim.craft import Craft
+from scenarios.airsim.eyes import Darkroom, Eye, Lens, find_eye
+from scenarios.airsim.frames import floats
+from scenarios.airsim.messages import (
+    CameraInfo,
+    ImageRequest,
+    ImageResponse,
+    Pose,
+    ProjectionMatrix,
+    Quaternionr,
+)
+from scenarios.airsim.methods import RpcError
+from scenarios.airsim.pictures import ImageType
+from scenarios.airsim.things import Things
+from scenarios.airsim.weather import Weather
+
+_MOST_REQUESTS = 64
+_NARROWEST_DEG, _WIDEST_DEG = 1.0, 170.0
+_NEAR_M = 0.01
+_NO_FLOATS = floats(np.zeros(1))
+
+
+class ImageCalls:
+    """Methods by their names in AirSim, each for the vehicle that it names."""
+
+    def __init__(
+        self,
+        find: Find,
+        eyes: Mapping[str, Mapping[str, Eye]],
+        darkroom: Darkroom,
+        things: Things,
+        weather: Weather,
+    ) -> None:
+        """Look through cameras.
+
+        Args:
+            find: Knows vehicles by their names.
+            eyes: Cameras of each vehicle by its name and theirs.
+            darkroom: Renders.
+            things: Numbers of objects for segmentation.
+            weather: Fog and dust.
+        """
+        self._find, self._eyes, self._darkroom = find, eyes, darkroom
+        self._things, self._weather = things, weather
+
+    @property
+    def functions(self) -> Mapping[str, Callable[..., object]]:
+        """All methods."""
+        return {
+            "simGetImages": self.images,
+            "simGetImage": self.image,
+            "simGetCameraInfo": self.info,
+            "simSetCameraPose": self.set_pose,
+            "simSetCameraFov": self.set_fov,
+            "simGetCurrentFieldOfView": self.field_of_view,
+        }
+
+    def images(
+        self, requests: list[ImageRequest], vehicle_name: str = "", external: bool = False
+    ) -> list[ImageResponse]:
+        """Take pictures, all of this moment."""
+        _require_vehicle(external)
+        if len(requests) > _MOST_REQUESTS:
+            raise RpcError(f"{len(requests)} images are asked for; valid: up to {_MOST_REQUESTS}")
+        craft = self._find(vehicle_name)
+        return [self._take(craft, request) for request in requests]
+
+    def image(
+        self,
+        camera_name: str,
+        image_type: int,
+        vehicle_name: str = "",
+        annotation_name: str = "",
+    ) -> bytes:
+        """Take one picture as PNG."""
+        request = ImageRequest(camera_name, image_type, False, True, annotation_name)
+        return self._take(self._find(vehicle_name), request).image_data_uint8
+
+    def info(self, camera_name: str, vehicle_name: str = "", external: bool = False) -> CameraInfo:
+        """Pose in the vehicle's local frame, field of view and projection."""
+        _require_vehicle(external)
+        craft = self._find(vehicle_name)
+        eye = self._eye(craft, camera_name)
+        lens = eye.lens_of(ImageType.SCENE)
+        return CameraInfo(_pose_now(craft, eye, lens), lens.fov_deg, _projection(lens))
+
+    def set_pose(
+        self, camera_name: str, pose: Pose, vehicle_name: str = "", external: bool = False
+    ) -> None:
+        """Move a camera on the vehicle."""
+        _require_vehicle(external)
+        eye = self._eye(self._find(vehicle_name), camera_name)
+        if not pose.position.is_finite:
+            raise RpcError("pose has a position that is not finite; valid: metres")
+        quat = pose.orientation
+        norm = math.hypot(quat.w_val, quat.x_val, quat.y_val, quat.z_val)
+        if not 1e-6 < norm < math.inf:
+            raise RpcError("pose has no attitude; valid: a quaternion that is not zero")
+        eye.pose = pose
+
+    def set_fov(
+        self,
+        camera_name: str,
+        fov_degrees: float,
+        vehicle_name: str = "",
+        external: bool = False,
+    ) -> None:
+        """Zoom a camera."""
+        _require_vehicle(external)
+        eye = self._eye(self._find(vehicle_name), camera_name)
+        if not _NARROWEST_DEG <= fov_degrees <= _WIDEST_DEG:
+            raise RpcError(
+                f"fov_degrees {fov_degrees} is not valid; valid: {_NARROWEST_DEG:g} to "
+                f"{_WIDEST_DEG:g}"
+            )
+        for lens in (eye.lens, *eye.lenses.values()):
+            lens.fov_deg = fov_degrees
+
+    def field_of_view(
+        self, camera_name: str, vehicle_name: str = "", external: bool = False
+    ) -> str:
+        """Horizontal field of view in degrees; AirSim answers with a text."""
+        _require_vehicle(external)
+        eye = self._eye(self._find(vehicle_name), camera_name)
+        return f"{eye.lens_of(ImageType.SCENE).fov_deg:g}"
+
+    def _eye(self, craft: Craft, name: str) -> Eye:
+        return find_eye(self._eyes[craft.name], name)
+
+    def _take(self, craft: Craft, request: ImageRequest) -> ImageResponse:
+        eye = self._eye(craft, request.camera_name)
+        try:
+            kind = ImageType(request.image_type)
+        except ValueError:
+            valid = ", ".join(str(int(each)) for each in ImageType)
+            raise RpcError(
+                f"image type {request.image_type} is not offered; valid: {valid}"
+            ) from None
+        lens = eye.lens_of(kind)
+        is_float = request.pixels_as_float
+        if is_float and kind not in pictures.DEPTHS:
+            raise RpcError(f"pixels_as_float is not offered for image type {kind.value}")
+        data = b"\0"
+        numbers = _NO_FLOATS
+        if is_float:
+            frame = self._darkroom.frame(craft.vehicle.plant, eye, lens)
+            numbers = floats(pictures.depth_values(frame, kind))
+        else:
+            rgb = self._pixels(craft, eye, lens, kind)
+            data = _png(rgb) if request.compress else rgb.tobytes()
+        pose = _pose_now(craft, eye, lens)
+        return ImageResponse(
+            image_data_uint8=data,
+            image_data_float=numbers,
+            camera_position=pose.position,
+            camera_name=request.camera_name,
+            camera_orientation=pose.orientation,
+            time_stamp=_stamp(craft),
+            pixels_as_float=is_float,
+            compress=request.compress,
+            width=lens.width_px,
+            height=lens.height_px,
+            image_type=kind.value,
+            annotation_name=request.annotation_name,
+        )
+
+    def _pixels(self, craft: Craft, eye: Eye, lens: Lens, kind: ImageType) -> np.ndarray:
+        plant = craft.vehicle.plant
+        if kind is ImageType.SEGMENTATION:
+            ids = self._darkroom.ids(plant, eye, lens)
+            return pictures.segment_pixels(ids, self._things.segment_ids)
+        frame = self._darkroom.frame(plant, eye, lens)
+        if kind is ImageType.SURFACE_NORMALS:
+            return pictures.normal_pixels(frame)
+        if kind in pictures.DEPTHS:
+            return pictures.depth_pixels(frame, kind)
+        return self._weather.seen(frame)
+
+
+def _require_vehicle(external: bool) -> None:
+    if external:
+        raise RpcError("external cameras are not offered; valid: cameras of a vehicle")
+
+
+def _stamp(craft: Craft) -> int:
+    from scenarios.airsim.frames import stamp
+
+    return stamp(craft.vehicle.plant.time_us)
+
+
+def _pose_now(craft: Craft, eye: Eye, lens: Lens) -> Pose:
+    """Pose of a camera in the vehicle's local frame."""
+    from scipy.spatial.transform import Rotation
+
+    view = eye.viewpoint(craft.vehicle.plant, lens)
+    x, y, z = view.position_enu_m.tolist()
+    right, down, forward = view.rotation_enu_from_optical.T
+    enu_from_frd = np.column_stack([forward, right, down])
+    ned_from_frd = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]) @ enu_from_frd
+    wxyz = Rotation.from_matrix(ned_from_frd).as_quat(scalar_first=True, canonical=True)
+    return Pose(craft.local((x, y, z)), Quaternionr(*wxyz.tolist()))
+
+
+def _projection(lens: Lens) -> ProjectionMatrix:
+    """Projection with the far plane at infinity and reversed depth, as Unreal's."""
+    focal = 1.0 / math.tan(0.5 * math.radians(lens.fov_deg))
+    aspect = lens.width_px / lens.height_px
+    rows = [
+        [focal, 0.0, 0.0, 0.0],
+        [0.0, focal * aspect, 0.0, 0.0],
+        [0.0, 0.0, 0.0, _NEAR_M],
+        [0.0, 0.0, 1.0, 0.0],
+    ]
+    return ProjectionMatrix(rows)
+
+
+def _png(rgb: np.ndarray) -> bytes:
+    import cv2
+
+    is_done, data = cv2.imencode(".png", rgb[:, :, ::-1], [cv2.IMWRITE_PNG_COMPRESSION, 1])
+    if not is_done:
+        raise RpcError("the image cannot be written as PNG")
+    return data.tobytes()
