@@ -25,7 +25,7 @@ class Craft:
     flyer: Flyer
     origin_enu_m: Vector3
     """Where it stood at first: origin of its local frame, north-east-down."""
-    touches: Touches
+    contacts: Contacts
 
     def local(self, position_enu_m: Vector3) -> Vector3r:
         """A position of the scene in the vehicle's local frame."""
@@ -45,7 +45,7 @@ class Craft:
         return (ox + position.y_val, oy + position.x_val, oz - position.z_val)
 
 
-class Touches:
+class Contacts:
     """Remembers the last thing that a vehicle touched; call `on_tick` after each tick."""
 
     def __init__(self, vehicle: Vehicle, origin_enu_m: Vector3, names: Names) -> None:

@@ -10,18 +10,18 @@ from typing import Self
 
 from flightsim.mavlink.client import MavlinkClient
 from flightsim.testbench import TestbenchError, Vehicle
+from scenarios.airsim.cameras import Renderers, default_cameras
 from scenarios.airsim.clock import Clock
 from scenarios.airsim.control_calls import ControlCalls
-from scenarios.airsim.craft import Craft, Names, Touches
+from scenarios.airsim.craft import Contacts, Craft, Names
 from scenarios.airsim.drawing_calls import DrawingCalls
-from scenarios.airsim.eyes import Darkroom, usual_eyes
 from scenarios.airsim.flyer import Flyer
 from scenarios.airsim.image_calls import ImageCalls
 from scenarios.airsim.methods import Methods, RpcError
 from scenarios.airsim.not_offered import NOT_OFFERED
+from scenarios.airsim.objects import Objects
 from scenarios.airsim.server import RpcServer, ServerError
 from scenarios.airsim.state_calls import StateCalls
-from scenarios.airsim.things import Things
 from scenarios.airsim.weather import Weather
 from scenarios.airsim.world_calls import WorldCalls
 
@@ -78,16 +78,16 @@ class AirsimDoor:
             raise
 
     def _methods(self, names: Names) -> Methods:
-        darkroom = self._stack.enter_context(Darkroom())
-        things, weather = Things(self._crafts, names), Weather()
-        eyes = {craft.name: usual_eyes(craft.vehicle.airframe) for craft in self._crafts}
+        renderers = self._stack.enter_context(Renderers())
+        objects, weather = Objects(self._crafts, names), Weather()
+        cameras = {craft.name: default_cameras(craft.vehicle.airframe) for craft in self._crafts}
         methods = Methods(NOT_OFFERED)
         methods.add(
-            WorldCalls(self._crafts, things, self._clock, weather, "{}", frozenset()).functions
+            WorldCalls(self._crafts, objects, self._clock, weather, "{}", frozenset()).functions
         )
         methods.add(ControlCalls(self._find).functions)
         methods.add(StateCalls(self._find).functions)
-        methods.add(ImageCalls(self._find, eyes, darkroom, things, weather).functions)
+        methods.add(ImageCalls(self._find, cameras, renderers, objects, weather).functions)
         methods.add(DrawingCalls().functions)
         return methods
 
@@ -111,7 +111,7 @@ class AirsimDoor:
         """Fly and answer, after each tick."""
         self._clock.on_tick(self._plant.time_us)
         for craft in self._crafts:
-            craft.touches.on_tick()
+            craft.contacts.on_tick()
             craft.flyer.on_tick()
         self._server.serve(0.0, _SHARE_S)
 
@@ -147,5 +147,5 @@ def _craft(guest: Guest, number: int, n: int, names: Names) -> Craft:
         vehicle=vehicle,
         flyer=Flyer(vehicle, guest.connect),
         origin_enu_m=origin,
-        touches=Touches(vehicle, origin, names),
+        contacts=Contacts(vehicle, origin, names),
     )

@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from scenarios.airsim import pictures
+from scenarios.airsim.cameras import Camera, Lens, Renderers, find_camera
 from scenarios.airsim.control_calls import Find
 from scenarios.airsim.craft import Craft
-from scenarios.airsim.eyes import Darkroom, Eye, Lens, find_eye
 from scenarios.airsim.frames import floats
 from scenarios.airsim.messages import (
     CameraInfo,
@@ -21,8 +21,8 @@ from scenarios.airsim.messages import (
     Quaternionr,
 )
 from scenarios.airsim.methods import RpcError
+from scenarios.airsim.objects import Objects
 from scenarios.airsim.pictures import ImageType
-from scenarios.airsim.things import Things
 from scenarios.airsim.weather import Weather
 
 _MOST_REQUESTS = 64
@@ -37,22 +37,22 @@ class ImageCalls:
     def __init__(
         self,
         find: Find,
-        eyes: Mapping[str, Mapping[str, Eye]],
-        darkroom: Darkroom,
-        things: Things,
+        cameras: Mapping[str, Mapping[str, Camera]],
+        renderers: Renderers,
+        objects: Objects,
         weather: Weather,
     ) -> None:
         """Look through cameras.
 
         Args:
             find: Knows vehicles by their names.
-            eyes: Cameras of each vehicle by its name and theirs.
-            darkroom: Renders.
-            things: Numbers of objects for segmentation.
+            cameras: Cameras of each vehicle by its name and theirs.
+            renderers: Renders.
+            objects: Numbers of objects for segmentation.
             weather: Fog and dust.
         """
-        self._find, self._eyes, self._darkroom = find, eyes, darkroom
-        self._things, self._weather = things, weather
+        self._find, self._cameras, self._renderers = find, cameras, renderers
+        self._objects, self._weather = objects, weather
 
     @property
     def functions(self) -> Mapping[str, Callable[..., object]]:
@@ -91,23 +91,23 @@ class ImageCalls:
         """Pose in the vehicle's local frame, field of view and projection."""
         _require_vehicle(external)
         craft = self._find(vehicle_name)
-        eye = self._eye(craft, camera_name)
-        lens = eye.lens_of(ImageType.SCENE)
-        return CameraInfo(_pose_now(craft, eye, lens), lens.fov_deg, _projection(lens))
+        camera = self._camera(craft, camera_name)
+        lens = camera.lens_of(ImageType.SCENE)
+        return CameraInfo(_pose_now(craft, camera, lens), lens.fov_deg, _projection(lens))
 
     def set_pose(
         self, camera_name: str, pose: Pose, vehicle_name: str = "", external: bool = False
     ) -> None:
         """Move a camera on the vehicle."""
         _require_vehicle(external)
-        eye = self._eye(self._find(vehicle_name), camera_name)
+        camera = self._camera(self._find(vehicle_name), camera_name)
         if not pose.position.is_finite:
             raise RpcError("pose has a position that is not finite; valid: metres")
         quat = pose.orientation
         norm = math.hypot(quat.w_val, quat.x_val, quat.y_val, quat.z_val)
         if not 1e-6 < norm < math.inf:
             raise RpcError("pose has no attitude; valid: a quaternion that is not zero")
-        eye.pose = pose
+        camera.pose = pose
 
     def set_fov(
         self,
@@ -118,13 +118,13 @@ class ImageCalls:
     ) -> None:
         """Zoom a camera."""
         _require_vehicle(external)
-        eye = self._eye(self._find(vehicle_name), camera_name)
+        camera = self._camera(self._find(vehicle_name), camera_name)
         if not _NARROWEST_DEG <= fov_degrees <= _WIDEST_DEG:
             raise RpcError(
                 f"fov_degrees {fov_degrees} is not valid; valid: {_NARROWEST_DEG:g} to "
                 f"{_WIDEST_DEG:g}"
             )
-        for lens in (eye.lens, *eye.lenses.values()):
+        for lens in (camera.lens, *camera.lenses.values()):
             lens.fov_deg = fov_degrees
 
     def field_of_view(
@@ -132,14 +132,14 @@ class ImageCalls:
     ) -> str:
         """Horizontal field of view in degrees; AirSim answers with a text."""
         _require_vehicle(external)
-        eye = self._eye(self._find(vehicle_name), camera_name)
-        return f"{eye.lens_of(ImageType.SCENE).fov_deg:g}"
+        camera = self._camera(self._find(vehicle_name), camera_name)
+        return f"{camera.lens_of(ImageType.SCENE).fov_deg:g}"
 
-    def _eye(self, craft: Craft, name: str) -> Eye:
-        return find_eye(self._eyes[craft.name], name)
+    def _camera(self, craft: Craft, name: str) -> Camera:
+        return find_camera(self._cameras[craft.name], name)
 
     def _take(self, craft: Craft, request: ImageRequest) -> ImageResponse:
-        eye = self._eye(craft, request.camera_name)
+        camera = self._camera(craft, request.camera_name)
         try:
             kind = ImageType(request.image_type)
         except ValueError:
@@ -147,19 +147,19 @@ class ImageCalls:
             raise RpcError(
                 f"image type {request.image_type} is not offered; valid: {valid}"
             ) from None
-        lens = eye.lens_of(kind)
+        lens = camera.lens_of(kind)
         is_float = request.pixels_as_float
         if is_float and kind not in pictures.DEPTHS:
             raise RpcError(f"pixels_as_float is not offered for image type {kind.value}")
         data = b"\0"
         numbers = _NO_FLOATS
         if is_float:
-            frame = self._darkroom.frame(craft.vehicle.plant, eye, lens)
+            frame = self._renderers.frame(craft.vehicle.plant, camera, lens)
             numbers = floats(pictures.depth_values(frame, kind))
         else:
-            rgb = self._pixels(craft, eye, lens, kind)
+            rgb = self._pixels(craft, camera, lens, kind)
             data = _png(rgb) if request.compress else rgb.tobytes()
-        pose = _pose_now(craft, eye, lens)
+        pose = _pose_now(craft, camera, lens)
         return ImageResponse(
             image_data_uint8=data,
             image_data_float=numbers,
@@ -175,12 +175,12 @@ class ImageCalls:
             annotation_name=request.annotation_name,
         )
 
-    def _pixels(self, craft: Craft, eye: Eye, lens: Lens, kind: ImageType) -> np.ndarray:
+    def _pixels(self, craft: Craft, camera: Camera, lens: Lens, kind: ImageType) -> np.ndarray:
         plant = craft.vehicle.plant
         if kind is ImageType.SEGMENTATION:
-            ids = self._darkroom.ids(plant, eye, lens)
-            return pictures.segment_pixels(ids, self._things.segment_ids)
-        frame = self._darkroom.frame(plant, eye, lens)
+            ids = self._renderers.ids(plant, camera, lens)
+            return pictures.segment_pixels(ids, self._objects.segment_ids)
+        frame = self._renderers.frame(plant, camera, lens)
         if kind is ImageType.SURFACE_NORMALS:
             return pictures.normal_pixels(frame)
         if kind in pictures.DEPTHS:
@@ -199,11 +199,11 @@ def _stamp(craft: Craft) -> int:
     return stamp(craft.vehicle.plant.time_us)
 
 
-def _pose_now(craft: Craft, eye: Eye, lens: Lens) -> Pose:
+def _pose_now(craft: Craft, camera: Camera, lens: Lens) -> Pose:
     """Pose of a camera in the vehicle's local frame."""
     from scipy.spatial.transform import Rotation
 
-    view = eye.viewpoint(craft.vehicle.plant, lens)
+    view = camera.viewpoint(craft.vehicle.plant, lens)
     x, y, z = view.position_enu_m.tolist()
     right, down, forward = view.rotation_enu_from_optical.T
     enu_from_frd = np.column_stack([forward, right, down])

@@ -68,7 +68,7 @@ class StateCalls:
         is_landed = reports.landed_state is LandedState.ON_GROUND
         is_ready = bool(plant.is_aligned)
         return MultirotorState(
-            collision=craft.touches.last,
+            collision=craft.contacts.last,
             kinematics_estimated=_kinematics(craft, believed, "est"),
             gps_location=geo(craft.vehicle.frame.geodetic_from_enu(believed.position_enu_m)),
             timestamp=stamp(plant.time_us),
@@ -91,7 +91,7 @@ class StateCalls:
 
     def collision(self, vehicle_name: str = "") -> Collision:
         """What was touched since the last call."""
-        return self._find(vehicle_name).touches.take()
+        return self._find(vehicle_name).contacts.take()
 
     def home(self, vehicle_name: str = "") -> GeoPoint:
         """Where the vehicle started."""

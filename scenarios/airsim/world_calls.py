@@ -11,7 +11,7 @@ from scenarios.airsim.craft import Craft
 from scenarios.airsim.frames import geo, pose
 from scenarios.airsim.messages import GeoPoint, Pose, Quaternionr, Vector3r
 from scenarios.airsim.methods import RpcError
-from scenarios.airsim.things import Things
+from scenarios.airsim.objects import Objects
 from scenarios.airsim.weather import Weather, set_wind
 
 _LOG = logging.getLogger(__name__)
@@ -28,7 +28,7 @@ class WorldCalls:
     def __init__(
         self,
         crafts: Sequence[Craft],
-        things: Things,
+        objects: Objects,
         clock: Clock,
         weather: Weather,
         settings_text: str,
@@ -38,13 +38,13 @@ class WorldCalls:
 
         Args:
             crafts: Its vehicles.
-            things: What else is in it.
+            objects: What else is in it.
             clock: Holds time.
             weather: Fog and dust.
             settings_text: What a client gets that asks for the settings.
             waiting_names: Vehicles that exist only once a client has added them.
         """
-        self._crafts, self._things, self._clock = crafts, things, clock
+        self._crafts, self._objects, self._clock = crafts, objects, clock
         self._weather, self._settings_text = weather, settings_text
         self._waiting = set(waiting_names)
         self._n_texts = 0
@@ -71,7 +71,7 @@ class WorldCalls:
             "simListSceneObjects": self.objects,
             "simGetObjectPose": self.object_pose,
             "simGetObjectScale": self.object_scale,
-            "simGetSegmentationObjectID": self._things.segment_of,
+            "simGetSegmentationObjectID": self._objects.segment_of,
             "simSetSegmentationObjectID": self.set_segment,
             "simListInstanceSegmentationObjects": self.segmented,
             "simListInstanceSegmentationPoses": self.segmented_poses,
@@ -137,13 +137,13 @@ class WorldCalls:
 
     def objects(self, name_regex: str = ".*") -> list[str]:
         """Names of what is in the world."""
-        return self._things.named(name_regex)
+        return self._objects.named(name_regex)
 
     def object_pose(self, object_name: str, ned: bool = True) -> Pose:
         """Pose of a thing in the world, from where the first vehicle started; NaN without one."""
         if not ned:
             raise RpcError("ned False is not offered; valid: True")
-        found = self._things.pose(object_name)
+        found = self._objects.pose(object_name)
         if found is None:
             return Pose(Vector3r(_NAN, _NAN, _NAN), Quaternionr(_NAN, _NAN, _NAN, _NAN))
         position, quat = found
@@ -151,16 +151,16 @@ class WorldCalls:
 
     def object_scale(self, object_name: str) -> Vector3r:
         """Scale of a thing: 1, since nothing is scaled; NaN without one."""
-        is_there = self._things.pose(object_name) is not None
+        is_there = self._objects.pose(object_name) is not None
         return Vector3r(1.0, 1.0, 1.0) if is_there else Vector3r(_NAN, _NAN, _NAN)
 
     def set_segment(self, mesh_name: str, object_id: int, is_name_regex: bool = False) -> bool:
-        """Give things a number for segmentation."""
-        return self._things.set_segment(mesh_name, object_id, is_pattern=is_name_regex)
+        """Give objects a number for segmentation."""
+        return self._objects.set_segment(mesh_name, object_id, is_pattern=is_name_regex)
 
     def segmented(self) -> list[str]:
         """Names of everything that has a number for segmentation."""
-        return self._things.named(".*")
+        return self._objects.named(".*")
 
     def segmented_poses(self, ned: bool = True, only_visible: bool = False) -> list[Pose]:
         """Poses in the same order."""

@@ -46,7 +46,7 @@ class Lens:
 
 
 @dataclass(kw_only=True)
-class Eye:
+class Camera:
     """A camera: where it is on the vehicle, forward-right-down, and its lenses by image type."""
 
     name: str
@@ -102,7 +102,7 @@ _NUMBERED = ("front_center", "front_right", "front_left", "bottom_center", "back
 """AirSim's own cameras, in the order of the numbers that scripts give them."""
 
 
-def usual_eyes(airframe: Airframe) -> dict[str, Eye]:
+def default_cameras(airframe: Airframe) -> dict[str, Camera]:
     """AirSim's five cameras on an airframe, and the airframe's own ones under their names."""
     forward = max(0.1, *(mount.position_flu_m[0] for mount in airframe.cameras), 0.1)
     below = airframe.body_size_m[2] / 2 + 0.01
@@ -115,61 +115,63 @@ def usual_eyes(airframe: Airframe) -> dict[str, Eye]:
         "bottom_center": (Vector3r(0.0, 0.0, below), quat_frd(0.0, -0.5 * math.pi, 0.0)),
         "back_center": (Vector3r(-forward, 0.0, 0.0), quat_frd(0.0, 0.0, math.pi)),
     }
-    eyes = {name: Eye(name=name, pose=Pose(*place)) for name, place in places.items()}
+    cameras = {name: Camera(name=name, pose=Pose(*place)) for name, place in places.items()}
     for mount in airframe.rgbd_cameras:
         x, y, z = mount.position_flu_m
         quat = quat_frd(0.0, -mount.pitch_down_rad, -mount.yaw_rad)
         height = math.tan(0.5 * mount.vertical_fov_rad)
         fov_deg = math.degrees(2.0 * math.atan(height * WIDTH_PX / HEIGHT_PX))
-        eyes.setdefault(
+        cameras.setdefault(
             mount.name,
-            Eye(
+            Camera(
                 name=mount.name,
                 pose=Pose(Vector3r(x, -y, -z), quat),
                 lens=Lens(fov_deg=fov_deg),
             ),
         )
-    return eyes
+    return cameras
 
 
-def find_eye(eyes: Mapping[str, Eye], name: str) -> Eye:
+def find_camera(cameras: Mapping[str, Camera], name: str) -> Camera:
     """Camera by its name or number.
 
     Raises:
         RpcError: If there is none.
     """
-    if name in eyes:
-        return eyes[name]
+    if name in cameras:
+        return cameras[name]
     if name in ("", "fpv"):
         name = "0"
-    if name.isdecimal() and int(name) < len(_NUMBERED) and _NUMBERED[int(name)] in eyes:
-        return eyes[_NUMBERED[int(name)]]
-    raise RpcError(f"camera {name[:80]!r} is unknown; valid: {', '.join(eyes)}, or 0 to 4")
+    if name.isdecimal() and int(name) < len(_NUMBERED) and _NUMBERED[int(name)] in cameras:
+        return cameras[_NUMBERED[int(name)]]
+    raise RpcError(f"camera {name[:80]!r} is unknown; valid: {', '.join(cameras)}, or 0 to 4")
 
 
-class Darkroom:
+class Renderers:
     """Renders what cameras see; a renderer for each size is opened when first needed."""
 
     def __init__(self) -> None:
         self._renderers: OrderedDict[tuple[int, int, int], CameraRenderer] = OrderedDict()
         self._frames: dict[str, tuple[tuple[object, ...], RgbdFrame]] = {}
 
-    def frame(self, plant: Plant, eye: Eye, lens: Lens) -> RgbdFrame:
+    def frame(self, plant: Plant, camera: Camera, lens: Lens) -> RgbdFrame:
         """Colours and exact depth of a camera now; kinds of one moment share a picture."""
-        key = (plant.world.number, plant.time_us, eye.pose, lens.width_px, lens.height_px)
+        key = (plant.world.number, plant.time_us, camera.pose, lens.width_px, lens.height_px)
         key = (*key, lens.fov_deg)
-        place = f"{plant.world.number}/{eye.name}"
+        place = f"{plant.world.number}/{camera.name}"
         kept = self._frames.get(place)
         if kept is not None and kept[0] == key:
             return kept[1]
         renderer = self._renderer(plant, lens)
-        frame = renderer.render_from(plant.data, eye.viewpoint(plant, lens), plant.time_us)
+        frame = renderer.render_from(plant.data, camera.viewpoint(plant, lens), plant.time_us)
         self._frames[place] = (key, frame)
         return frame
 
-    def ids(self, plant: Plant, eye: Eye, lens: Lens) -> np.ndarray:
+    def ids(self, plant: Plant, camera: Camera, lens: Lens) -> np.ndarray:
         """Object id of each pixel, int32 (height, width)."""
-        return self._renderer(plant, lens).render_ids_from(plant.data, eye.viewpoint(plant, lens))
+        return self._renderer(plant, lens).render_ids_from(
+            plant.data, camera.viewpoint(plant, lens)
+        )
 
     def _renderer(self, plant: Plant, lens: Lens) -> CameraRenderer:
         key = (plant.world.number, lens.width_px, lens.height_px)

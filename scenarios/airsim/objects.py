@@ -21,7 +21,7 @@ MOST_SEGMENT = (1 << 24) - 1
 """Greatest number for segmentation: each has a colour of its own."""
 
 
-class Things:
+class Objects:
     """Objects of the scene, movers and vehicles, by the names that clients use.
 
     Attributes:
@@ -91,7 +91,7 @@ class Things:
         return -1 if object_id is None else self.segment_ids[object_id]
 
     def set_segment(self, name: str, number: int, *, is_pattern: bool) -> bool:
-        """Give things a number for segmentation; whether there are any.
+        """Give objects a number for segmentation; whether there are any.
 
         Raises:
             RpcError: If the number or the pattern is not valid.
