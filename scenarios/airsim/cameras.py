@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -25,8 +25,8 @@ _KEPT_RENDERERS = 4
 
 _CAMERA_FROM_OPTICAL = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 """Optical axes (right, down, forward) in the camera's own (forward, right, down)."""
-_FLIP = np.diag([1.0, -1.0, -1.0])
-"""Forward-left-up from forward-right-down."""
+FRD_FROM_FLU = np.diag([1.0, -1.0, -1.0])
+"""Forward-right-down from forward-left-up, and back."""
 
 
 @dataclass(kw_only=True)
@@ -68,7 +68,7 @@ class Camera:
         return Viewpoint(
             name=f"AirSim {self.name}",
             position_enu_m=np.array(truth.position_enu_m) + enu_from_flu @ offset,
-            rotation_enu_from_optical=enu_from_flu @ _FLIP @ own @ _CAMERA_FROM_OPTICAL,
+            rotation_enu_from_optical=enu_from_flu @ FRD_FROM_FLU @ own @ _CAMERA_FROM_OPTICAL,
             vertical_fov_rad=lens.vertical_fov_rad,
         )
 
@@ -102,8 +102,16 @@ _NUMBERED = ("front_center", "front_right", "front_left", "bottom_center", "back
 """AirSim's own cameras, in the order of the numbers that scripts give them."""
 
 
-def default_cameras(airframe: Airframe) -> dict[str, Camera]:
-    """AirSim's five cameras on an airframe, and the airframe's own ones under their names."""
+def default_cameras(
+    airframe: Airframe, lens: Lens, lenses: Mapping[int, Lens]
+) -> dict[str, Camera]:
+    """AirSim's five cameras on an airframe, and the airframe's own ones under their names.
+
+    Args:
+        airframe: The vehicle.
+        lens: Lens of AirSim's cameras.
+        lenses: The same by image type.
+    """
     forward = max(0.1, *(mount.position_flu_m[0] for mount in airframe.cameras), 0.1)
     below = airframe.body_size_m[2] / 2 + 0.01
     aside = 0.06
@@ -115,7 +123,15 @@ def default_cameras(airframe: Airframe) -> dict[str, Camera]:
         "bottom_center": (Vector3r(0.0, 0.0, below), quat_frd(0.0, -0.5 * math.pi, 0.0)),
         "back_center": (Vector3r(-forward, 0.0, 0.0), quat_frd(0.0, 0.0, math.pi)),
     }
-    cameras = {name: Camera(name=name, pose=Pose(*place)) for name, place in places.items()}
+    cameras = {
+        name: Camera(
+            name=name,
+            pose=Pose(*place),
+            lens=replace(lens),
+            lenses={kind: replace(each) for kind, each in lenses.items()},
+        )
+        for name, place in places.items()
+    }
     for mount in airframe.rgbd_cameras:
         x, y, z = mount.position_flu_m
         quat = quat_frd(0.0, -mount.pitch_down_rad, -mount.yaw_rad)

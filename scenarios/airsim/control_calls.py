@@ -10,8 +10,9 @@ from flightsim.frames import Geodetic, swap_enu_ned, swap_flu_frd, swap_quat_enu
 from scenarios.airsim import tasks
 from scenarios.airsim.craft import Craft
 from scenarios.airsim.flyer import Task
+from scenarios.airsim.frames import quat_enu_flu
 from scenarios.airsim.guidance import FORWARD_ONLY, Facing
-from scenarios.airsim.messages import Vector3r, YawMode
+from scenarios.airsim.messages import Pose, RCData, Vector3r, YawMode
 from scenarios.airsim.methods import Later, RpcError
 
 Find = Callable[[str], Craft]
@@ -53,6 +54,9 @@ class ControlCalls:
             "moveByRollPitchYawrateThrottle": self.roll_pitch_yaw_rate_throttle,
             "moveByAngleRatesZ": self.rates_z,
             "moveByAngleRatesThrottle": self.rates_throttle,
+            "moveByManual": self.manual,
+            "moveByRC": self.hold_sticks,
+            "simSetVehiclePose": self.put,
         }
 
     def enable(self, is_enabled: bool, vehicle_name: str = "") -> None:
@@ -360,6 +364,39 @@ class ControlCalls:
         """Turn at angular rates with a thrust."""
         rates = _rates(roll_rate, pitch_rate, yaw_rate)
         return self._point(vehicle_name, None, rates, throttle, duration)
+
+    def manual(
+        self,
+        vx_max: float,
+        vy_max: float,
+        z_min: float,
+        duration: float,
+        drivetrain: int = 0,
+        yaw_mode: YawMode = _DEFAULT_YAW,
+        vehicle_name: str = "",
+    ) -> Later:
+        """Fly as the sticks say that moveByRC holds."""
+        _ = drivetrain, yaw_mode  # The yaw stick turns the vehicle.
+        craft = self._find(vehicle_name)
+        fastest = (_finite(vx_max, "vx_max"), _finite(vy_max, "vy_max"))
+        move = tasks.move_by_sticks(
+            craft.flyer, fastest, _height(craft, z_min), _duration(duration)
+        )
+        return craft.flyer.start(move)
+
+    def hold_sticks(self, rc_data: RCData, vehicle_name: str = "") -> None:
+        """Hold the sticks of a radio."""
+        sticks = (rc_data.pitch, rc_data.roll, rc_data.yaw)
+        if not (all(abs(each) <= 1.0 for each in sticks) and 0.0 <= rc_data.throttle <= 1.0):
+            raise RpcError("rc_data is not valid; valid: sticks of -1 to 1, throttle of 0 to 1")
+        self._find(vehicle_name).flyer.sticks = rc_data
+
+    def put(self, pose: Pose, ignore_collision: bool, vehicle_name: str = "") -> None:
+        """Put the vehicle elsewhere."""
+        _ = ignore_collision  # A pose inside of something is refused in either case.
+        craft = self._find(vehicle_name)
+        quat_wxyz = quat_enu_flu(pose.orientation)
+        craft.flyer.put(craft.scene_enu_m(pose.position), quat_wxyz)
 
     # --- shared ---
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import msgspec
 import mujoco
 import numpy as np
 
 from autonomy.types import Vector3
 from flightsim.testbench import Vehicle
-from flightsim.world import World
+from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, NEIGHBOUR_ID, World
 from scenarios.airsim.flyer import Flyer
 from scenarios.airsim.frames import ned, stamp
 from scenarios.airsim.messages import Collision, Vector3r
 from scenarios.airsim.methods import RpcError
+from scenarios.airsim.rangers import Rangers
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,6 +28,8 @@ class Craft:
     origin_enu_m: Vector3
     """Where it stood at first: origin of its local frame, north-east-down."""
     contacts: Contacts
+    rangers: Rangers
+    """Its distance sensors and lidars."""
 
     def local(self, position_enu_m: Vector3) -> Vector3r:
         """A position of the scene in the vehicle's local frame."""
@@ -81,8 +85,6 @@ class Contacts:
 
     def take(self) -> Collision:
         """The same; it counts as a collision only until somebody takes it."""
-        import msgspec
-
         taken = msgspec.structs.replace(self._last, has_collided=self._has_new)
         self._has_new = False
         return taken
@@ -122,8 +124,6 @@ class Names:
 
     def of(self, object_id: int) -> str:
         """Name of a thing by its id."""
-        from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, NEIGHBOUR_ID
-
         if object_id == GROUND_ID:
             return "Ground"
         if object_id == NEIGHBOUR_ID:

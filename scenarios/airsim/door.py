@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -20,13 +21,15 @@ from scenarios.airsim.image_calls import ImageCalls
 from scenarios.airsim.methods import Methods, RpcError
 from scenarios.airsim.not_offered import NOT_OFFERED
 from scenarios.airsim.objects import Objects
+from scenarios.airsim.rangers import Rangers
 from scenarios.airsim.server import RpcServer, ServerError
+from scenarios.airsim.settings import PORT, AirsimSettings, VehicleSettings
 from scenarios.airsim.state_calls import StateCalls
-from scenarios.airsim.weather import Weather
+from scenarios.airsim.weather import Weather, set_wind
 from scenarios.airsim.world_calls import WorldCalls
 
-PORT = 41451
-"""Port of AirSim's clients."""
+_LOG = logging.getLogger(__name__)
+_ADDRESS = "127.0.0.1"
 _SHARE_S = 0.01
 """Wall time for calls between two ticks of a run that is late, or as fast as it goes."""
 
@@ -47,13 +50,15 @@ class AirsimDoor:
     of sleeping.
     """
 
-    def __init__(self, guests: Sequence[Guest], *, address: str, port: int) -> None:
-        """Listen.
+    def __init__(
+        self, guests: Sequence[Guest], settings: AirsimSettings, *, port: int = PORT
+    ) -> None:
+        """Listen on loopback, because the protocol knows neither encryption nor passwords.
 
         Args:
             guests: The vehicles, in their order.
-            address: Address to listen on; 127.0.0.1 keeps everything on this machine.
-            port: TCP port.
+            settings: Their names, cameras and sensors.
+            port: TCP port; 0 lets the system choose.
 
         Raises:
             TestbenchError: If the port cannot be had.
@@ -62,39 +67,70 @@ class AirsimDoor:
         self._clock = Clock()
         self._plant = guests[0].vehicle.plant
         names = Names(world=self._plant.world)
-        self._crafts = [_craft(guest, i, len(guests), names) for i, guest in enumerate(guests)]
+        asked = settings.vehicles or _unnamed(len(guests))
+        self._crafts = [
+            _craft(guest, each, names) for guest, each in zip(guests, asked, strict=True)
+        ]
         self._by_name = {craft.name: craft for craft in self._crafts}
         names.vehicles += self._by_name
+        if settings.wind is not None:
+            set_wind([guest.vehicle.plant for guest in guests], settings.wind)
+        if settings.ignored:
+            _LOG.warning("airsim-settings: not honoured: %s", ", ".join(settings.ignored))
+        methods = self._methods(settings, asked, names)
+        self._names = methods.names
         try:
-            methods = self._methods(names)
-            self._server = RpcServer(address, port, methods.dispatch)
+            self._server = RpcServer(_ADDRESS, port, methods.dispatch)
         except ServerError as error:
             self._stack.close()
             raise TestbenchError(
                 f"airsim port {error}; valid: --airsim-port with a port that is free"
             ) from None
-        except BaseException:
-            self._stack.close()
-            raise
 
-    def _methods(self, names: Names) -> Methods:
+    def _methods(
+        self, settings: AirsimSettings, asked: Sequence[VehicleSettings], names: Names
+    ) -> Methods:
         renderers = self._stack.enter_context(Renderers())
         objects, weather = Objects(self._crafts, names), Weather()
-        cameras = {craft.name: default_cameras(craft.vehicle.airframe) for craft in self._crafts}
+        cameras = {
+            craft.name: {
+                **default_cameras(craft.vehicle.airframe, settings.lens, settings.lenses),
+                **each.cameras,
+            }
+            for craft, each in zip(self._crafts, asked, strict=True)
+        }
+        waiting = frozenset(each.name for each in asked if not each.is_created)
         methods = Methods(NOT_OFFERED)
-        methods.add(
-            WorldCalls(self._crafts, objects, self._clock, weather, "{}", frozenset()).functions
-        )
-        methods.add(ControlCalls(self._find).functions)
-        methods.add(StateCalls(self._find).functions)
-        methods.add(ImageCalls(self._find, cameras, renderers, objects, weather).functions)
-        methods.add(DrawingCalls().functions)
+        world = WorldCalls(self._crafts, objects, self._clock, weather, settings.text, waiting)
+        for calls in (
+            world,
+            ControlCalls(self._find),
+            StateCalls(self._find),
+            ImageCalls(self._find, cameras, renderers, objects, weather),
+            DrawingCalls(),
+        ):
+            methods.add(calls.functions)
         return methods
 
     @property
     def port(self) -> int:
         """Port on which the door listens."""
         return self._server.port
+
+    @property
+    def method_names(self) -> frozenset[str]:
+        """Methods that are offered."""
+        return self._names
+
+    @property
+    def n_answered(self) -> int:
+        """Calls so far, with those that were answered by an error."""
+        return self._server.n_answered
+
+    @property
+    def n_faults(self) -> int:
+        """Calls so far that failed by a fault of ours, not of the client's."""
+        return self._server.n_faults
 
     def _find(self, name: str) -> Craft:
         """Vehicle by its name; an empty one is the first.
@@ -139,13 +175,20 @@ class AirsimDoor:
         self.close()
 
 
-def _craft(guest: Guest, number: int, n: int, names: Names) -> Craft:
+def _unnamed(n: int) -> list[VehicleSettings]:
+    """Vehicles without settings: AirSim's name for the only one, numbers for several."""
+    names = [f"Drone{number + 1}" for number in range(n)] if n > 1 else ["SimpleFlight"]
+    return [VehicleSettings(name=name) for name in names]
+
+
+def _craft(guest: Guest, settings: VehicleSettings, names: Names) -> Craft:
     vehicle = guest.vehicle
     origin = vehicle.plant.truth.position_enu_m
     return Craft(
-        name=f"Drone{number + 1}" if n > 1 else "SimpleFlight",
+        name=settings.name,
         vehicle=vehicle,
         flyer=Flyer(vehicle, guest.connect),
         origin_enu_m=origin,
         contacts=Contacts(vehicle, origin, names),
+        rangers=Rangers(vehicle.plant, settings.distances, settings.lidars),
     )

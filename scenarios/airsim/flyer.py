@@ -10,12 +10,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator
 
-from autonomy.types import Quaternion, Vector3
+import numpy as np
+
+from autonomy.rotation import yaw_from_quat
+from autonomy.types import ZERO3, Quaternion, Vector3
 from flightsim.autopilot.reports import FlightReports
 from flightsim.mavlink.client import Command, MavlinkClient
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
+from flightsim.mavlink.dialect import dialect as mavlink
+from flightsim.plant.relocation import PlaceTakenError
 from flightsim.testbench import Vehicle
 from scenarios.airsim.guidance import Facing, Guidance
+from scenarios.airsim.messages import RCData
 from scenarios.airsim.methods import Later, RpcError
 
 Task = Generator[None, None, bool]
@@ -35,6 +41,7 @@ class Flyer:
     Attributes:
         guidance: Reference that the vehicle follows while a client controls it.
         is_enabled: Whether a client has taken API control.
+        sticks: Sticks of a radio, as a client holds them.
     """
 
     def __init__(self, vehicle: Vehicle, connect: Callable[[], MavlinkClient] | None) -> None:
@@ -57,6 +64,7 @@ class Flyer:
         self._is_engaged = False
         self.guidance = Guidance()
         self.is_enabled = False
+        self.sticks = RCData()
 
     # --- connection ---
 
@@ -130,13 +138,53 @@ class Flyer:
         self._arming = (later, is_armed, command, self.now_us + _LONGEST_ARMING_US)
         return later
 
-    def cut_off(self) -> Command:
-        """Stop the rotors at once, also in the air."""
-        from flightsim.mavlink.dialect import dialect as mavlink
+    def put(self, position_enu_m: Vector3, quat_wxyz: Quaternion) -> None:
+        """Put the vehicle at rest at another pose; it ends its task and holds there.
 
+        Raises:
+            RpcError: If the vehicle would be inside of something, or another flight stack flies.
+        """
+        self._require_own_stack()
         self.cancel()
+        try:
+            self._vehicle.plant.put(position_enu_m, quat_wxyz)
+        except PlaceTakenError as error:
+            raise RpcError(f"{error}; valid: a free place") from None
+        if self._client is not None and self.is_armed:
+            estimate = self._vehicle.plant.estimate
+            yaw_rad = float(yaw_from_quat(np.array(estimate.quat_wxyz)))
+            self.guidance.reset(estimate.position_enu_m, ZERO3, yaw_rad)
+            self.guidance.stop()
+
+    def renew(self) -> Later:
+        """Stop the rotors, put the vehicle back to its start, and give API control back.
+
+        Raises:
+            RpcError: If another flight stack flies.
+        """
+        self._require_own_stack()
+        later = self._begin(self._renewed())
+        self.is_enabled, self._is_kept_disarmed = False, False
+        return later
+
+    def _renewed(self) -> Task:
         self.release()
-        return self.client.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, _FORCE)
+        self._is_engaged, self._send = False, None
+        if self.is_armed:
+            command = self.client.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, _FORCE)
+            yield from self._done(command)
+        try:
+            self._vehicle.plant.renew()
+        except PlaceTakenError as error:
+            raise RpcError(f"the start is taken: {error}") from None
+        end_us = self.now_us + _LONGEST_ENGAGING_US
+        while not self.is_landed and self.now_us < end_us:
+            yield
+        return True
+
+    def _require_own_stack(self) -> None:
+        if self._vehicle.external is not None:
+            raise RpcError("another flight stack flies, which knows of no jumps; valid: moves")
 
     def start(self, task: Task, timeout_s: float = math.inf) -> Later:
         """Begin a task in the place of the present one.
@@ -153,6 +201,9 @@ class Flyer:
         """
         if not self.is_enabled:
             raise RpcError("API control is off; valid: after enableApiControl(True)")
+        return self._begin(task, timeout_s)
+
+    def _begin(self, task: Task, timeout_s: float = math.inf) -> Later:
         _ = self.client
         self.cancel()
         self._task, self._answer = task, Later()
@@ -316,14 +367,18 @@ class Flyer:
         end_us = self.now_us + longest_us
         while True:
             command = ask()
-            while not command.is_done:
-                yield
+            yield from self._done(command)
             if command.is_accepted:
                 return True
             self._expect_before(end_us, f"{what} is refused: {command.outcome()}")
             again_us = self.now_us + _RETRY_US
             while self.now_us < again_us:
                 yield
+
+    def _done(self, command: Command) -> Task:
+        while not command.is_done:
+            yield
+        return command.is_accepted
 
     def _expect_before(self, end_us: float, line: str) -> None:
         if self.now_us >= end_us:

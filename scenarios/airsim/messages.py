@@ -108,7 +108,7 @@ class Collision(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class RCData(msgspec.Struct, frozen=True):
-    """Sticks of a radio; there is none."""
+    """Sticks of a radio: throttle 0 to 1, the others -1 to 1, positive to the right and ahead."""
 
     timestamp: int = 0
     pitch: float = 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import typing
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -28,16 +28,47 @@ class Later:
         self.is_done = False
         self.value: object = None
         self.error: str | None = None
+        self._then: list[Callable[[], None]] = []
 
     def finish(self, value: object) -> None:
         """Answer; only the first answer counts."""
         if not self.is_done:
             self.is_done, self.value = True, value
+            self._end()
 
     def fail(self, line: str) -> None:
         """Answer that there is none."""
         if not self.is_done:
             self.is_done, self.error = True, line
+            self._end()
+
+    def then(self, function: Callable[[], None]) -> None:
+        """Call a function once the answer has come."""
+        self._then.append(function)
+        if self.is_done:
+            self._end()
+
+    def _end(self) -> None:
+        for function in self._then:
+            function()
+        self._then.clear()
+
+
+def all_of(answers: Sequence[Later]) -> Later:
+    """An answer without a value, which comes when all have come; the first error is its own."""
+    later = Later()
+
+    def check() -> None:
+        if all(answer.is_done for answer in answers):
+            error = next((answer.error for answer in answers if answer.error), None)
+            if error is None:
+                later.finish(None)
+            else:
+                later.fail(error)
+
+    for answer in answers:
+        answer.then(check)
+    return later
 
 
 class Method:

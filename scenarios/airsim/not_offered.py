@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 _MOTORS = "the autopilot commands its motors itself; use a move, or angular rates and throttle"
-_RADIO = "no radio is simulated; use a move, or MAVLink's MANUAL_CONTROL"
 _GAINS = "the controllers are tuned to the airframe; see docs/airframes.md"
 _LOOKS = "what a scene looks like is part of the scene"
 _STATIC = "objects stand where the scene has them"
@@ -21,7 +20,6 @@ _CAR = "vehicles are multirotors"
 
 _BY_REASON: Mapping[str, tuple[str, ...]] = {
     _MOTORS: ("moveByMotorPWMs",),
-    _RADIO: ("moveByRC", "moveByManual"),
     _GAINS: (
         "setAngleLevelControllerGains",
         "setAngleRateControllerGains",

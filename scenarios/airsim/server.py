@@ -61,6 +61,10 @@ class RpcServer:
         self._selector = selectors.DefaultSelector()
         self._clients: set[_Client] = set()
         self._warnings = 0
+        self.n_answered = 0
+        """Calls so far, with those that were answered by an error."""
+        self.n_faults = 0
+        """Calls that failed by a fault of ours."""
         self._listener = socket.socket()
         self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -171,12 +175,14 @@ class RpcServer:
                 raise FramingError("message is no request of MessagePack-RPC")
 
     def _call(self, client: _Client, number: int | None, method: str, args: list[Any]) -> None:
+        self.n_answered += 1
         try:
             result = self._dispatch(method, args)
         except RpcError as error:
             client.answer(number, str(error), None)
             return
         except Exception as error:  # a fault of ours must not end a flight  # noqa: BLE001
+            self.n_faults += 1
             self._warn(f"{method[:80]!r} failed: {error!r}"[:500])
             client.answer(number, f"{method[:80]} failed: {error!r}"[:500], None)
             return

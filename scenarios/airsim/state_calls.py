@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from autonomy.types import State, Vector3, vector3
 from flightsim.autopilot.modes import LandedState
+from flightsim.frames import Geodetic
 from flightsim.plant import Plant
 from scenarios.airsim.control_calls import Find
 from scenarios.airsim.craft import Craft
-from scenarios.airsim.frames import attitude, frd, geo, ned, stamp
+from scenarios.airsim.frames import attitude, floats, frd, geo, ned, stamp
 from scenarios.airsim.messages import (
     Barometer,
     Collision,
+    Distance,
     Environment,
     GeoPoint,
     GnssReport,
     Gps,
     Imu,
     Kinematics,
+    LidarData,
     Magnetometer,
     MultirotorState,
     Pose,
@@ -28,6 +32,8 @@ from scenarios.airsim.messages import (
     RotorStates,
     Vector3r,
 )
+from scenarios.airsim.methods import RpcError
+from scenarios.airsim.rangers import NED_FROM_ENU, SENSOR_FRAME, named, quaternion_ned
 
 _LANDED, _FLYING = 0, 1
 _NO_FIX, _FIX_3D = 0, 3
@@ -58,6 +64,10 @@ class StateCalls:
             "getBarometerData": self.barometer,
             "getMagnetometerData": self.magnetometer,
             "getGpsData": self.gps,
+            "getDistanceSensorData": self.distance,
+            "getLidarData": self.lidar,
+            "simTestLineOfSightToPoint": self.sees_point,
+            "simTestLineOfSightBetweenPoints": self.see_each_other,
         }
 
     def state(self, vehicle_name: str = "") -> MultirotorState:
@@ -166,6 +176,61 @@ class StateCalls:
             time_utc=stamp(reading.time_us) // 1000,
         )
         return Gps(stamp(reading.time_us), report, is_fixed)
+
+    def distance(self, distance_sensor_name: str = "", vehicle_name: str = "") -> Distance:
+        """What a distance sensor measures."""
+        craft = self._find(vehicle_name)
+        cfg = named(craft.rangers.distances, distance_sensor_name, "distance sensor")
+        return Distance(
+            time_stamp=stamp(craft.vehicle.plant.time_us),
+            distance=craft.rangers.distance_m(cfg),
+            min_distance=cfg.least_m,
+            max_distance=cfg.most_m,
+            relative_pose=cfg.pose,
+        )
+
+    def lidar(self, lidar_name: str = "", vehicle_name: str = "") -> LidarData:
+        """Points of a whole turn of a lidar."""
+        craft = self._find(vehicle_name)
+        cfg = named(craft.rangers.lidars, lidar_name, "lidar")
+        points, position, turn = craft.rangers.scan(cfg)
+        if cfg.frame != SENSOR_FRAME:
+            enu_m = points @ turn.T + np.array(position) - np.array(craft.origin_enu_m)
+            points = enu_m @ NED_FROM_ENU.T
+        return LidarData(
+            time_stamp=stamp(craft.vehicle.plant.time_us),
+            point_cloud=floats(points),
+            pose=Pose(craft.local(position), quaternion_ned(turn)),
+        )
+
+    def sees_point(self, point: GeoPoint, vehicle_name: str = "") -> bool:
+        """Whether nothing is between the vehicle and a place on the earth."""
+        craft = self._find(vehicle_name)
+        return self._see(craft, craft.vehicle.plant.truth.position_enu_m, _place(craft, point))
+
+    def see_each_other(self, point1: GeoPoint, point2: GeoPoint, vehicle_name: str = "") -> bool:
+        """Whether nothing is between two places on the earth."""
+        craft = self._find(vehicle_name)
+        return self._see(craft, _place(craft, point1), _place(craft, point2))
+
+    def _see(self, craft: Craft, start: Vector3, end: Vector3) -> bool:
+        distance_m = math.dist(start, end)
+        if distance_m == 0.0:
+            return True
+        direction = (np.array(end) - np.array(start)) / distance_m
+        return bool(craft.rangers.cast(np.array(start), direction[None, :])[0] >= distance_m)
+
+
+def _place(craft: Craft, point: GeoPoint) -> Vector3:
+    """A place on the earth in the scene.
+
+    Raises:
+        RpcError: If it is none.
+    """
+    latitude, longitude, altitude = point.latitude, point.longitude, point.altitude
+    if not (abs(latitude) <= 90.0 and abs(longitude) <= 360.0 and abs(altitude) <= 1e6):
+        raise RpcError("point is no place on the earth; valid: degrees, and metres above the sea")
+    return craft.vehicle.frame.enu_from_geodetic(Geodetic(latitude, longitude, altitude))
 
 
 def _kinematics(craft: Craft, state: State, whose: str) -> Kinematics:

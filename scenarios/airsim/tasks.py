@@ -8,7 +8,13 @@ from collections.abc import Sequence
 from autonomy.types import Quaternion, Vector3
 from flightsim.frames import swap_yaw_enu_ned
 from scenarios.airsim.flyer import Flyer, Task
-from scenarios.airsim.guidance import TICK_S, Facing, legs_through
+from scenarios.airsim.guidance import (
+    FASTEST_UP_MPS,
+    FASTEST_XY_MPS,
+    TICK_S,
+    Facing,
+    legs_through,
+)
 from scenarios.airsim.messages import YawMode
 
 TAKEOFF_M, TAKEOFF_MPS = 3.0, 1.0
@@ -16,6 +22,8 @@ _NEAR_M = 0.5
 _STILL_MPS = 0.3
 _HEIGHT_GAIN, _CLIMB_GAIN = 2.0, 2.5
 _GRAVITY_MPS2 = 9.81
+_STICK_DPS = 60.0
+"""Rate of turn of a yaw stick that is held all the way."""
 
 
 def take_off(flyer: Flyer) -> Task:
@@ -134,6 +142,35 @@ def move_in_heading(
     east = forward_mps * math.cos(yaw) + right_mps * math.sin(yaw)
     north = forward_mps * math.sin(yaw) - right_mps * math.cos(yaw)
     return (yield from move_by_velocity(flyer, (east, north, up_mps), duration_s, facing, height_m))
+
+
+def move_by_sticks(
+    flyer: Flyer, fastest_mps: tuple[float, float], highest_m: float, duration_s: float
+) -> Task:
+    """Fly as the sticks of a radio say, for some time.
+
+    Args:
+        flyer: The vehicle.
+        fastest_mps: Speed ahead and sideways at full sticks.
+        highest_m: Height in the scene above which the throttle climbs no more.
+        duration_s: Simulated time.
+    """
+    yield from flyer.engage()
+    ahead_mps, aside_mps = (min(abs(speed), FASTEST_XY_MPS) for speed in fastest_mps)
+    for _ in range(_ticks(duration_s)):
+        sticks = flyer.sticks
+        yaw = flyer.yaw_rad
+        forward, right = ahead_mps * sticks.pitch, aside_mps * sticks.roll
+        east = forward * math.cos(yaw) + right * math.sin(yaw)
+        north = forward * math.sin(yaw) - right * math.cos(yaw)
+        up_mps = (2.0 * sticks.throttle - 1.0) * FASTEST_UP_MPS if sticks.is_valid else 0.0
+        if flyer.guidance.position_enu_m[2] >= highest_m:
+            up_mps = min(up_mps, 0.0)
+        flyer.guidance.step_velocity((east, north, up_mps))
+        rate = YawMode(is_rate=True, yaw_or_rate=_STICK_DPS * sticks.yaw)
+        flyer.follow(Facing(mode=rate))
+        yield
+    return True
 
 
 def rotate_to(flyer: Flyer, heading_deg: float, margin_deg: float) -> Task:

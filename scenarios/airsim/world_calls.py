@@ -10,7 +10,7 @@ from scenarios.airsim.clock import Clock
 from scenarios.airsim.craft import Craft
 from scenarios.airsim.frames import geo, pose
 from scenarios.airsim.messages import GeoPoint, Pose, Quaternionr, Vector3r
-from scenarios.airsim.methods import RpcError
+from scenarios.airsim.methods import Later, RpcError, all_of
 from scenarios.airsim.objects import Objects
 from scenarios.airsim.weather import Weather, set_wind
 
@@ -57,6 +57,7 @@ class WorldCalls:
             "ping": self.ping,
             "getServerVersion": lambda: SERVER_VERSION,
             "getMinRequiredClientVersion": lambda: LEAST_CLIENT_VERSION,
+            "reset": self.reset,
             "simPause": self.pause,
             "simIsPaused": self.is_paused,
             "simContinueForTime": self._clock.go_on,
@@ -81,6 +82,11 @@ class WorldCalls:
     def ping(self) -> bool:
         """Whether the run answers."""
         return True
+
+    def reset(self) -> Later | None:
+        """Put all vehicles back to their starts; while time stands still, once it goes on."""
+        answers = [craft.flyer.renew() for craft in self._crafts]
+        return None if self._clock.is_paused else all_of(answers)
 
     def pause(self, is_paused: bool) -> None:
         """Stop time, or let it pass."""

@@ -82,9 +82,12 @@ class SitlCfg:
     """Domain of ROS 2; by default what ROS_DOMAIN_ID says, or 0."""
     airsim: bool = False
     """Answer the API of AirSim's multirotors, so that scripts for AirSim fly here; see
-    docs/airsim.md."""
-    airsim_port: Annotated[int, Range(1, 65535)] = 41451
-    """TCP port of AirSim's API."""
+    docs/clients/airsim.md."""
+    airsim_port: Annotated[int, Range(0, 65535)] = 41451
+    """TCP port of AirSim's API; 0 takes any that is free."""
+    airsim_settings: Annotated[Path | None, _UNSET] = None
+    """Take vehicles, their places, cameras and sensors, clock speed and wind from AirSim's
+    settings.json; turns --airsim on."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""

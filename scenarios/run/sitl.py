@@ -15,6 +15,7 @@ from flightsim.mavlink.links import Link
 from flightsim.testbench import Testbench
 from flightsim.vehicles import Airframe
 from flightsim.vehicles.builder import vehicle_name
+from flightsim.world import Start
 from scenarios.mission.goals import find_area, with_start
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.flight import Flight
@@ -26,6 +27,7 @@ from scenarios.run.summary import write_summary
 from scenarios.trials.result import TrialResult
 
 if TYPE_CHECKING:
+    from scenarios.airsim.settings import AirsimSettings
     from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
@@ -77,6 +79,11 @@ class Sitl:
         Raises:
             INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
         """
+        airsim: AirsimSettings | None = None
+        if cfg.airsim_settings is not None:
+            from scenarios.run.airsim import with_settings
+
+            cfg, airsim = with_settings(cfg, cfg.airsim_settings)
         self.cfg = cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
         self.viewer: Viewer | None = None
@@ -88,6 +95,10 @@ class Sitl:
             opening.push(stack)
             hangar = stack.enter_context(Hangar()) if hangar is None else hangar
             scene, airframes = scene or hangar.scene(cfg.scene), airframes or cfg.airframes
+            starts: Sequence[Start] = ()
+            if airsim is not None:
+                scene = airsim.located(scene)
+                starts = airsim.starts(scene)
             if cfg.start is not None:
                 scene = with_start(scene, airframes[0], cfg.start)
             name = cfg.area
@@ -99,6 +110,7 @@ class Sitl:
                     cfg.bench,
                     airframes=airframes,
                     traffic=movers,
+                    starts=starts,
                     has_network=has_network,
                     links=links,
                     captures=cfg.captures,
@@ -117,7 +129,7 @@ class Sitl:
             if cfg.airsim:
                 from scenarios.run.airsim import open_airsim
 
-                open_airsim(cfg, self.bench, self.flights, stack)
+                open_airsim(cfg, airsim, self.bench, self.flights, stack)
             opening.pop_all()
 
     def _open_flights(
