@@ -152,18 +152,13 @@ class Plant:
         relocate(self._memory, position_enu_m, quat_wxyz)
         self._read_afresh()
 
-    def renew(self) -> None:
-        """Put the vehicle back to its start, with its rotors off and a new battery.
-
-        Time, the noise of sensors and whoever flies go on.
+    def renew(self, position_enu_m: Vector3, quat_wxyz: Quaternion) -> None:
+        """Put the vehicle to a start, with its rotors off and a new battery; time goes on.
 
         Raises:
             PlaceTakenError: If something else stands there now.
         """
-        first = self.world.qpos_address
-        pose = self.world.rest_qpos[first : first + 7].tolist()
-        (x, y, z), (qw, qx, qy, qz) = pose[:3], pose[3:]
-        self.put((x, y, z), (qw, qx, qy, qz))
+        self.put(position_enu_m, quat_wxyz)
         self._rotor_speeds[:] = 0.0
         self.battery = Battery(self.world.airframe.battery)
         self._engine["has_power"] = 1

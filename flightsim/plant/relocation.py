@@ -98,6 +98,7 @@ def _take_along(memory: PlantMemory, before: np.ndarray, change_mps: np.ndarray)
     f["past_position_enu_m"] += moved_m
     f["past_velocity_enu_mps"] += change_mps
     f["past_yaw_rad"] += turned_rad
+    f["start_enu_m"] += moved_m
     f["terrain_height_m"] = math.nan
     gnss["past_position_enu_m"] += moved_m
     gnss["past_velocity_enu_mps"] += change_mps

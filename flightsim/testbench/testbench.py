@@ -24,7 +24,7 @@ from flightsim.testbench.remains import free_ended
 from flightsim.testbench.vehicle import Vehicle
 from flightsim.vehicles import Airframe, airframe_by_name
 from flightsim.vehicles.camera_options import with_cameras
-from flightsim.world import Start, build_world
+from flightsim.world import build_world
 
 
 class Testbench:
@@ -48,7 +48,6 @@ class Testbench:
         *,
         airframes: Sequence[Airframe] = (),
         traffic: Sequence[MovingObstacle] | None = None,
-        starts: Sequence[Start] = (),
         has_network: bool = True,
         links: Sequence[Sequence[Link]] = (),
         captures: Path | None = None,
@@ -61,7 +60,6 @@ class Testbench:
             cfg: Settings of the simulation.
             airframes: Vehicles instead of the configured one.
             traffic: Movers on paths of their own instead of the configured ones.
-            starts: Where each vehicle stands instead, on the first surface below a point.
             has_network: Whether clients outside this process can connect.
             links: MAVLink links besides the in-process one and the network's, for the first
                 vehicle, the second and so on.
@@ -83,10 +81,7 @@ class Testbench:
         _check_number(cfg, len(airframes))
         airframes = [with_cameras(airframe, cfg.camera) for airframe in airframes]
         world = build_world(
-            scene,
-            *airframes,
-            traffic=cfg.traffic_cfg if traffic is None else traffic,
-            starts=starts,
+            scene, *airframes, traffic=cfg.traffic_cfg if traffic is None else traffic
         )
         first = Plant(world, cfg.plant_cfg)
         self.frame = LocalFrame(Geodetic(scene.latitude_deg, scene.longitude_deg, scene.altitude_m))

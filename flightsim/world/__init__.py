@@ -1,6 +1,5 @@
 """A scene and its vehicles as one MuJoCo world: model, geoms, rays, places to start from."""
 
-from flightsim.world.starts import Start
 from flightsim.world.world import (
     FIRST_MATE_ID,
     FIRST_MOVER_ID,
@@ -21,7 +20,6 @@ __all__ = [
     "GROUND_NAME",
     "NEIGHBOUR_ID",
     "VEHICLE_ID",
-    "Start",
     "World",
     "WorldError",
     "build_world",

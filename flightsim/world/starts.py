@@ -45,10 +45,6 @@ _MAX_DRIFT_M = 0.10
 _MAX_TILT_RAD = math.radians(20.0)
 
 
-Start = tuple[Vector3, float]
-"""Point above the surface that a vehicle stands on at first, and its yaw."""
-
-
 class WorldError(ValueError):
     """A scene and its vehicles make no valid world, for example by an impossible start."""
 
@@ -70,10 +66,7 @@ class PlacedVehicle:
 
 
 def place_vehicles(
-    scene: Scene,
-    airframes: Sequence[Airframe],
-    solids: Sequence[Primitive],
-    starts: Sequence[Start] = (),
+    scene: Scene, airframes: Sequence[Airframe], solids: Sequence[Primitive]
 ) -> tuple[PlacedVehicle, ...]:
     """Stand the first vehicle on the scene's start, the others on the nearest free places.
 
@@ -84,13 +77,10 @@ def place_vehicles(
         scene: Scene with its start.
         airframes: The vehicles.
         solids: All static solids of the scene.
-        starts: Where each vehicle stands instead, on the first surface below a point.
 
     Raises:
-        WorldError: If there are fewer places than vehicles, or no surface below a point.
+        WorldError: If there are fewer places than vehicles.
     """
-    if starts:
-        return _place_below(scene, airframes, solids, starts)
     first, yaw_rad = scene.start_position_enu_m, scene.start_yaw_rad
     places: list[Vector3] = [first][: len(airframes)]
     if len(airframes) > 1:
@@ -111,27 +101,6 @@ def place_vehicles(
         PlacedVehicle(airframe=airframe, stand_enu_m=place, yaw_rad=yaw_rad)
         for airframe, place in zip(airframes, places, strict=True)
     )
-
-
-def _place_below(
-    scene: Scene,
-    airframes: Sequence[Airframe],
-    solids: Sequence[Primitive],
-    starts: Sequence[Start],
-) -> tuple[PlacedVehicle, ...]:
-    """Stand each vehicle on the first surface below its point."""
-    probe = SurfaceProbe(scene.relief, solids)
-    lift_m = np.array([0.0, 0.0, _HIGHEST_STEP_M])
-    heights_m = probe.height_m(np.array([point for point, _ in starts]) + lift_m)
-    placed: list[PlacedVehicle] = []
-    for airframe, (point, yaw_rad), height_m in zip(
-        airframes, starts, heights_m.tolist(), strict=True
-    ):
-        if math.isnan(height_m):
-            raise WorldError(f"start {point} has no surface below; valid: a point above one")
-        stand = (point[0], point[1], height_m)
-        placed.append(PlacedVehicle(airframe=airframe, stand_enu_m=stand, yaw_rad=yaw_rad))
-    return tuple(placed)
 
 
 def _free_places(scene: Scene, solids: Sequence[Primitive], radius_m: float) -> Iterator[Vector3]:

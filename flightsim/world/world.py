@@ -34,7 +34,6 @@ from flightsim.world.ground import add_ground, add_ground_beyond
 from flightsim.world.rays import RayTree
 from flightsim.world.starts import (
     PlacedVehicle,
-    Start,
     WorldError,
     add_vehicles,
     inside_of,
@@ -178,7 +177,6 @@ def build_world(
     physics_hz: int = 500,
     extra: Sequence[Primitive] = (),
     traffic: TrafficCfg | Sequence[MovingObstacle] = (),
-    starts: Sequence[Start] = (),
 ) -> World:
     """Compile a scene with its vehicles, the first at the scene's start, the others beside it.
 
@@ -188,7 +186,6 @@ def build_world(
         physics_hz: Steps per second.
         extra: Solids besides the scene's objects.
         traffic: Movers on their paths, or the number of movers to find paths for.
-        starts: Where each vehicle stands instead, on the first surface below a point.
 
     Returns:
         The world as the first vehicle has it; `World.views` has it as each of them does.
@@ -198,7 +195,7 @@ def build_world(
         TrafficError: If the scene has no room for the traffic.
     """
     solids = (*scene_primitives(scene), *extra)
-    vehicles = place_vehicles(scene, airframes, solids, starts)
+    vehicles = place_vehicles(scene, airframes, solids)
     spec = new_spec(scene, physics_hz)
     add_ground(spec, scene.relief)
     add_solids(spec, solids)

@@ -24,6 +24,7 @@ from scenarios.airsim.objects import Objects
 from scenarios.airsim.rangers import Rangers
 from scenarios.airsim.server import RpcServer, ServerError
 from scenarios.airsim.settings import PORT, AirsimSettings, VehicleSettings
+from scenarios.airsim.starts import stand
 from scenarios.airsim.state_calls import StateCalls
 from scenarios.airsim.weather import Weather, set_wind
 from scenarios.airsim.world_calls import WorldCalls
@@ -68,6 +69,7 @@ class AirsimDoor:
         self._plant = guests[0].vehicle.plant
         names = Names(world=self._plant.world)
         asked = settings.vehicles or _unnamed(len(guests))
+        stand([guest.vehicle.plant for guest in guests], asked)
         self._crafts = [
             _craft(guest, each, names) for guest, each in zip(guests, asked, strict=True)
         ]

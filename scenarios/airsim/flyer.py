@@ -62,6 +62,8 @@ class Flyer:
         self._send: Sender | None = None
         """Sends the setpoint of this tick."""
         self._is_engaged = False
+        truth = vehicle.plant.truth
+        self._start = (truth.position_enu_m, truth.quat_wxyz)
         self.guidance = Guidance()
         self.is_enabled = False
         self.sticks = RCData()
@@ -174,7 +176,7 @@ class Flyer:
             command = self.client.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, _FORCE)
             yield from self._done(command)
         try:
-            self._vehicle.plant.renew()
+            self._vehicle.plant.renew(*self._start)
         except PlaceTakenError as error:
             raise RpcError(f"the start is taken: {error}") from None
         end_us = self.now_us + _LONGEST_ENGAGING_US

@@ -20,7 +20,6 @@ from aeroscene.files.toml_fields import Fields
 from aeroscene.files.visible import is_visible, shown
 from aeroscene.scene import Scene
 from autonomy.types import Vector3
-from flightsim.frames import swap_enu_ned, swap_yaw_enu_ned
 from flightsim.testbench import TestbenchError
 from scenarios.airsim.cameras import MOST_PX, Camera, Lens, quat_frd
 from scenarios.airsim.messages import Pose, Vector3r
@@ -81,25 +80,6 @@ class AirsimSettings:
         return replace(
             scene, latitude_deg=latitude_deg, longitude_deg=longitude_deg, altitude_m=altitude_m
         )
-
-    def starts(self, scene: Scene) -> list[tuple[Vector3, float]]:
-        """Point above the surface that each vehicle starts on, and its yaw, counter-clockwise.
-
-        Returns:
-            As many as there are vehicles; none if no vehicle has a place, so that all stand beside
-            each other at the scene's start.
-        """
-        if not any(vehicle.offset_ned_m for vehicle in self.vehicles):
-            return []
-        x, y, z = scene.start_position_enu_m
-        starts: list[tuple[Vector3, float]] = []
-        for vehicle in self.vehicles:
-            east, north, up = swap_enu_ned(vehicle.offset_ned_m or (0.0, 0.0, 0.0))
-            yaw_rad = scene.start_yaw_rad
-            if vehicle.yaw_deg is not None:
-                yaw_rad = swap_yaw_enu_ned(math.radians(vehicle.yaw_deg))
-            starts.append(((x + east, y + north, z + up), yaw_rad))
-        return starts
 
 
 def read_settings(path: Path) -> AirsimSettings:

@@ -15,7 +15,6 @@ from flightsim.mavlink.links import Link
 from flightsim.testbench import Testbench
 from flightsim.vehicles import Airframe
 from flightsim.vehicles.builder import vehicle_name
-from flightsim.world import Start
 from scenarios.mission.goals import find_area, with_start
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.flight import Flight
@@ -95,10 +94,8 @@ class Sitl:
             opening.push(stack)
             hangar = stack.enter_context(Hangar()) if hangar is None else hangar
             scene, airframes = scene or hangar.scene(cfg.scene), airframes or cfg.airframes
-            starts: Sequence[Start] = ()
             if airsim is not None:
                 scene = airsim.located(scene)
-                starts = airsim.starts(scene)
             if cfg.start is not None:
                 scene = with_start(scene, airframes[0], cfg.start)
             name = cfg.area
@@ -110,7 +107,6 @@ class Sitl:
                     cfg.bench,
                     airframes=airframes,
                     traffic=movers,
-                    starts=starts,
                     has_network=has_network,
                     links=links,
                     captures=cfg.captures,
