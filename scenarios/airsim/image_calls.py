@@ -11,18 +11,18 @@ from scenarios.airsim import pictures
 from scenarios.airsim.cameras import Camera, Lens, Renderers, find_camera
 from scenarios.airsim.control_calls import Find
 from scenarios.airsim.craft import Craft
-from scenarios.airsim.frames import floats
+from scenarios.airsim.frames import floats, stamp
 from scenarios.airsim.messages import (
     CameraInfo,
     ImageRequest,
     ImageResponse,
     Pose,
     ProjectionMatrix,
-    Quaternionr,
 )
 from scenarios.airsim.methods import RpcError
 from scenarios.airsim.objects import Objects
 from scenarios.airsim.pictures import ImageType
+from scenarios.airsim.rangers import quaternion_ned
 from scenarios.airsim.weather import Weather
 
 _MOST_REQUESTS = 64
@@ -158,7 +158,8 @@ class ImageCalls:
             numbers = floats(pictures.depth_values(frame, kind))
         else:
             rgb = self._pixels(craft, camera, lens, kind)
-            data = _png(rgb) if request.compress else rgb.tobytes()
+            # AirSim's bytes are blue, green, red, as OpenCV writes them.
+            data = _png(rgb) if request.compress else rgb[:, :, ::-1].tobytes()
         pose = _pose_now(craft, camera, lens)
         return ImageResponse(
             image_data_uint8=data,
@@ -166,7 +167,7 @@ class ImageCalls:
             camera_position=pose.position,
             camera_name=request.camera_name,
             camera_orientation=pose.orientation,
-            time_stamp=_stamp(craft),
+            time_stamp=stamp(craft.vehicle.plant.time_us),
             pixels_as_float=is_float,
             compress=request.compress,
             width=lens.width_px,
@@ -193,23 +194,13 @@ def _require_vehicle(external: bool) -> None:
         raise RpcError("external cameras are not offered; valid: cameras of a vehicle")
 
 
-def _stamp(craft: Craft) -> int:
-    from scenarios.airsim.frames import stamp
-
-    return stamp(craft.vehicle.plant.time_us)
-
-
 def _pose_now(craft: Craft, camera: Camera, lens: Lens) -> Pose:
     """Pose of a camera in the vehicle's local frame."""
-    from scipy.spatial.transform import Rotation
-
     view = camera.viewpoint(craft.vehicle.plant, lens)
     x, y, z = view.position_enu_m.tolist()
     right, down, forward = view.rotation_enu_from_optical.T
-    enu_from_frd = np.column_stack([forward, right, down])
-    ned_from_frd = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]) @ enu_from_frd
-    wxyz = Rotation.from_matrix(ned_from_frd).as_quat(scalar_first=True, canonical=True)
-    return Pose(craft.local((x, y, z)), Quaternionr(*wxyz.tolist()))
+    turn = np.column_stack([forward, right, down])
+    return Pose(craft.local((x, y, z)), quaternion_ned(turn))
 
 
 def _projection(lens: Lens) -> ProjectionMatrix:

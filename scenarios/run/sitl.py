@@ -49,6 +49,7 @@ class Sitl:
         result: Results of all vehicles, once `run` has ended.
         pictures: Files that were drawn when the run ended.
         missing: A line for each file that was asked for and could not be written whole.
+        airsim_port: Port on which AirSim's clients are answered; None without --airsim.
     """
 
     def __init__(
@@ -89,6 +90,7 @@ class Sitl:
         self.result: RunResult | None = None
         self.pictures: list[Path] = []
         self.missing: list[str] = []
+        self.airsim_port: int | None = None
         self._stack = stack = ExitStack()
         with ExitStack() as opening:
             opening.push(stack)
@@ -125,7 +127,8 @@ class Sitl:
             if cfg.airsim:
                 from scenarios.run.airsim import open_airsim
 
-                open_airsim(cfg, airsim, self.bench, self.flights, stack)
+                door = open_airsim(cfg, airsim, self.bench, self.flights, stack)
+                self.airsim_port = door.port
             opening.pop_all()
 
     def _open_flights(
