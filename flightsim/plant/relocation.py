@@ -16,6 +16,7 @@ from autonomy.rotation import yaw_from_quat
 from autonomy.types import Quaternion, Vector3
 from flightsim.plant.memory import PlantMemory
 from flightsim.sensors.gnss import GNSS
+from flightsim.sensors.imu import IMU
 from flightsim.sensors.mocap import MOCAP
 from flightsim.sensors.vio import VIO
 
@@ -100,6 +101,9 @@ def _take_along(memory: PlantMemory, before: np.ndarray, change_mps: np.ndarray)
     f["past_yaw_rad"] += turned_rad
     f["start_enu_m"] += moved_m
     f["terrain_height_m"] = math.nan
+    # The IMU measures the change since its last sample, and there has been none to measure.
+    record[IMU.name]["last_velocity_enu_mps"] += change_mps
+    record[IMU.name]["last_quat_wxyz"] = memory.qpos[3:]
     gnss["past_position_enu_m"] += moved_m
     gnss["past_velocity_enu_mps"] += change_mps
     mocap["position_enu_m"] += moved_m

@@ -2,6 +2,7 @@
 
 import json
 import math
+import socket
 import subprocess
 import sys
 
@@ -58,7 +59,7 @@ def caller(tmp_path_factory):
     path = tmp_path_factory.mktemp("airsim") / "settings.json"
     path.write_text(json.dumps(SETTINGS))
     bench = TestbenchCfg(speed="max", instance=own_instance(), seed=3, aiding="mocap")
-    port = free_port(__import__("socket").SOCK_STREAM)
+    port = free_port(socket.SOCK_STREAM)
     cfg = SitlCfg(scene="field", bench=bench, airsim_settings=path, airsim_port=port)
     with Sitl(cfg, has_network=False) as sitl:
         caller = Caller(sitl, port)
@@ -241,7 +242,9 @@ def test_time_stands_still_and_goes_on_for_as_long_as_is_asked(caller):
 
 
 def test_a_jump_takes_the_estimate_along_and_reset_leads_back(flying):
-    flying.call("simSetVehiclePose", pose(20.0, -10.0, -8.0), True, "")
+    turned = pose(20.0, -10.0, -8.0)
+    turned["orientation"] = {"w_val": 0.6, "x_val": 0.0, "y_val": 0.0, "z_val": 0.8}
+    flying.call("simSetVehiclePose", turned, True, "")
     assert place_ned(flying) == pytest.approx((20, -10, -8), abs=0.1)
     for _ in range(150):
         flying.tick()
@@ -249,6 +252,9 @@ def test_a_jump_takes_the_estimate_along_and_reset_leads_back(flying):
     plant = flying.sitl.bench.plant
     believed, true = plant.estimate.position_enu_m, plant.truth.position_enu_m
     assert math.dist(believed, true) < 0.3
+    w, _, _, z = plant.truth.quat_wxyz
+    assert 2 * math.atan2(z, w) == pytest.approx(math.pi / 2 - 2 * math.atan2(0.8, 0.6), abs=0.1)
+    assert np.abs(np.dot(plant.estimate.quat_wxyz, plant.truth.quat_wxyz)) > 0.999
     flying.call("reset")
     assert place_ned(flying) == pytest.approx((0, 0, 0), abs=0.05)
     state = flying.call("getMultirotorState", "")
