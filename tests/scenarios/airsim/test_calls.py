@@ -12,6 +12,7 @@ import pytest
 
 from flightsim.frames import swap_enu_ned
 from flightsim.testbench import TestbenchCfg
+from scenarios.airsim.pictures import segment_rgb
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
 from tests.instances import free_port, own_instance
@@ -216,9 +217,10 @@ def test_images_and_ranges_agree_with_the_height(flying):
     assert image(flying, 0, PNG, "0")["width"] == 32
     raw = image(flying, 5, (False, False))
     assert len(raw["image_data_uint8"]) == 3 * 33 * 25
-    flying.call("simSetSegmentationObjectID", "Ground", 20, False)
-    before = raw["image_data_uint8"][3 * 16 :][:3]
-    assert image(flying, 5, (False, False))["image_data_uint8"][3 * 16 :][:3] != before
+    assert flying.call("simSetSegmentationObjectID", ".*", 20, True) is True
+    pixels = image(flying, 5, (False, False))["image_data_uint8"]
+    blue_green_red = bytes(reversed(segment_rgb(20)))
+    assert pixels == blue_green_red * (33 * 25) != raw["image_data_uint8"]
     measured = flying.call("getDistanceSensorData", "Below", "")
     assert measured["distance"] == pytest.approx(height_m, abs=0.1)
     cloud = flying.call("getLidarData", "", "")
@@ -280,9 +282,12 @@ def test_the_published_client_flies(caller):
 
 def test_weather_hides_what_is_far(caller):
     caller.call("reset")
-    clear = np.frombuffer(image(caller, 0, (False, False), "0")["image_data_uint8"], "u1")
+    sky, ground = slice(0, 3), slice(-3, None)
+    clear = image(caller, 0, (False, False), "0")["image_data_uint8"]
     caller.call("simEnableWeather", True)
     caller.call("simSetWeatherParameter", 7, 1.0)
-    foggy = np.frombuffer(image(caller, 0, (False, False), "0")["image_data_uint8"], "u1")
+    foggy = image(caller, 0, (False, False), "0")["image_data_uint8"]
     caller.call("simSetWeatherParameter", 7, 0.0)
-    assert foggy.std() < 0.7 * clear.std()
+    fog = bytes((214, 209, 204))  # Blue, green, red.
+    assert foggy[sky] == fog != clear[sky]
+    assert np.ptp(np.array([list(foggy[ground]), list(clear[ground])], float), axis=0).max() < 25
