@@ -61,6 +61,18 @@ class Server(Protocol):
         ...
 
 
+class Interlude(Protocol):
+    """Someone outside who may stop time, and who has work for the time between two ticks."""
+
+    def may_step(self, timeout_s: float) -> bool:
+        """Whether time may pass; waits a moment while it may not."""
+        ...
+
+    def idle(self, seconds: float) -> None:
+        """Work for so long, where the loop would otherwise sleep."""
+        ...
+
+
 class SpeedError(ValueError):
     """The speed of the loop is invalid."""
 
@@ -79,7 +91,11 @@ class Timing:
 
 
 class Simulator:
-    """Loop that steps all parts by 20 ms of simulated time, at the requested speed."""
+    """Loop that steps all parts by 20 ms of simulated time, at the requested speed.
+
+    Attributes:
+        interlude: Works between ticks, and may stop time; None sleeps.
+    """
 
     def __init__(
         self,
@@ -106,6 +122,7 @@ class Simulator:
         self._autopilot = autopilot
         self._mavlink_server = mavlink_server
         self._observers = observers
+        self.interlude: Interlude | None = None
         self._is_stopping = False
         self._tick_s = tick_seconds(speed)
         # Nanoseconds as whole numbers: adding them up loses nothing.
@@ -179,7 +196,9 @@ class Simulator:
 
     def _may_step(self) -> bool:
         """Return True if time may pass; wait a moment for a client that keeps it."""
-        server = self._mavlink_server
+        server, interlude = self._mavlink_server, self.interlude
+        if interlude is not None and not interlude.may_step(_LOCKSTEP_WAIT_S):
+            return False
         return server is None or server.wait_for_tick(_LOCKSTEP_WAIT_S)
 
     def _wait(self, deadline_s: float) -> float:
@@ -187,7 +206,10 @@ class Simulator:
         now_s = time.perf_counter()
         ahead_s = deadline_s - now_s
         if ahead_s >= _SHORTEST_SLEEP_S:
-            time.sleep(ahead_s)
+            if self.interlude is None:
+                time.sleep(ahead_s)
+            else:
+                self.interlude.idle(ahead_s)
             self._idle_s += time.perf_counter() - now_s
         elif ahead_s < -_FORGIVEN_LATENESS_S:
             # To catch up would make simulated time race for as long as the stall took.

@@ -64,6 +64,17 @@ class Fields:
             if field not in valid:
                 self.fail(field, f"is unknown; valid: {', '.join(valid)}")
 
+    @property
+    def names(self) -> list[str]:
+        """Names of all fields, where these are for the author to choose."""
+        return list(self._plain)
+
+    @property
+    def unknown(self) -> list[str]:
+        """Paths of the fields that nobody has asked for, for readers that let them pass."""
+        unasked = (field for field in self._plain if field not in self._asked)
+        return [f"{self._path}.{field}".strip(".") for field in unasked]
+
     def text(self, field: str, *, most: int = 80) -> str:
         """Return a line of text of at most `most` characters."""
         value = self._required(field, "a line of text")

@@ -35,6 +35,8 @@ from flightsim.world import World
 _SPARE_GEOMS = 16
 _Kind = Literal["fast", "fine", "depth", "ids"]
 """Kind of picture that a stage draws."""
+_LEVEL = 1e-6
+"""Sine of a roll that no picture shows."""
 _ID_FLAGS = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
 
 
@@ -86,7 +88,16 @@ class GlCameraRenderer:
         """
         stage = self._stage("ids")
         stage.poses.update(data)
-        colours, _ = stage.draw(stage.poses.viewpoint(camera_name), has_vehicle=False)
+        return self._ids(stage, stage.poses.viewpoint(camera_name))
+
+    def render_ids_from(self, data: mujoco.MjData, view: Viewpoint) -> np.ndarray:
+        """Return object ids from a viewpoint; see `CameraRenderer`."""
+        stage = self._stage("ids")
+        stage.poses.update(data)
+        return self._ids(stage, view)
+
+    def _ids(self, stage: _Stage, view: Viewpoint) -> np.ndarray:
+        colours, _ = stage.draw(view, has_vehicle=False)
         # MuJoCo draws numbers as colours, red first.
         index = colours.astype(np.int32) @ np.array([1, 1 << 8, 1 << 16], dtype=np.int32)
         return stage.object_ids(self._world.geom_object_id)[index]
@@ -237,7 +248,7 @@ class _Stage:
         return table
 
     def _aim(self, view: Viewpoint) -> None:
-        """Aim MuJoCo's free camera, which has no roll, or use the fixed one of the view's name."""
+        """Aim MuJoCo's free camera, or use the fixed one of the view's name."""
         name = self._name_in_model(view.name)
         camera_id = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_CAMERA, name)
         if camera_id >= 0:
@@ -271,6 +282,16 @@ class _Stage:
         finally:
             groups[:] = saved_groups
             self._model.vis.global_.fovy = saved_fov
+        if self._camera.type == mujoco.mjtCamera.mjCAMERA_FREE:
+            self._roll(view)
+
+    def _roll(self, view: Viewpoint) -> None:
+        """Turn the picture about its axis: MuJoCo's free camera keeps its right side level."""
+        right, down, _ = view.rotation_enu_from_optical.T
+        if abs(right[2]) < _LEVEL and down[2] <= 0.0:
+            return
+        for eye in self._scene.camera:
+            eye.up[:] = -down
 
     def _in_view(self, view: Viewpoint) -> np.ndarray:
         """Return true for geoms whose bounding sphere meets the view's pyramid, (ngeom,) bool."""

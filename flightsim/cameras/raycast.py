@@ -91,9 +91,16 @@ class RaycastCameraRenderer:
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
         """Return object ids; see `CameraRenderer`."""
         self._poses.update(data)
+        return self._ids_from(self._poses.viewpoint(camera_name))
+
+    def render_ids_from(self, data: mujoco.MjData, view: Viewpoint) -> np.ndarray:
+        """See `CameraRenderer`."""
+        self._poses.update(data)
+        return self._ids_from(view)
+
+    def _ids_from(self, view: Viewpoint) -> np.ndarray:
         if self._ids is None:
             self._ids = _Ids(self._world, self._poses.data, self._mates)
-        view = self._poses.viewpoint(camera_name)
         rays = view.rays_enu(self._width, self._height)
         moving_enu_m, _ = self._moving(has_vehicle=False)
         ids = self._ids.seen(view.position_enu_m, rays.reshape(-1, 3), moving_enu_m)

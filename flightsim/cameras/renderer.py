@@ -48,7 +48,7 @@ class CameraRenderer(Protocol):
         ...
 
     def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
-        """Return the frame of an on-board camera that is held at a viewpoint without roll.
+        """Return the frame of an on-board camera that is held at a viewpoint.
 
         Args:
             data: State of the world.
@@ -74,6 +74,10 @@ class CameraRenderer(Protocol):
             data: State of the world.
             camera_name: Name of a camera of the vehicle.
         """
+        ...
+
+    def render_ids_from(self, data: mujoco.MjData, view: Viewpoint) -> np.ndarray:
+        """Return object ids (height, width) int32 of the pixels of `render_from`."""
         ...
 
     def render_view(

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from autonomy.control.record import setpoint_row
-from autonomy.types import OFF, ControlLevel, Setpoint, State, Vector3, vector3
+from autonomy.types import OFF, ControlLevel, Quaternion, Setpoint, State, Vector3, vector3
 from flightsim.environment.motion import MAX_RATE, obstacle_states
 from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
@@ -27,6 +27,7 @@ from flightsim.plant.memory import PlantMemory, new_memories
 from flightsim.plant.outside import OutsideAids
 from flightsim.plant.readings import EstimatorStatus, estimator_status
 from flightsim.plant.record import with_rotors
+from flightsim.plant.relocation import relocate
 from flightsim.plant.sensing import SensorReadings
 from flightsim.vehicles.battery import Battery
 from flightsim.world import World
@@ -141,6 +142,26 @@ class Plant:
         self.battery.step(self.rotor_speeds_radps, 1.0 / self.cfg.advance_hz)
         if self.battery.remaining <= 0.0:
             self._engine["has_power"] = 0
+
+    def put(self, position_enu_m: Vector3, quat_wxyz: Quaternion) -> None:
+        """Put the vehicle at rest at another pose within no time, and take its estimate along.
+
+        Raises:
+            PlaceTakenError: If it would be inside of a solid there; it then stays where it is.
+        """
+        relocate(self._memory, position_enu_m, quat_wxyz)
+        self._read_afresh()
+
+    def renew(self, position_enu_m: Vector3, quat_wxyz: Quaternion) -> None:
+        """Put the vehicle to a start, with its rotors off and a new battery; time goes on.
+
+        Raises:
+            PlaceTakenError: If something else stands there now.
+        """
+        self.put(position_enu_m, quat_wxyz)
+        self._rotor_speeds[:] = 0.0
+        self.battery = Battery(self.world.airframe.battery)
+        self._engine["has_power"] = 1
 
     def hand_over(self, drive: Callable[[], None]) -> Handover:
         """Let another flight stack fly the vehicle.

@@ -39,8 +39,9 @@ class GenerateCfg:
     """Kind of place. Outdoor: hillside, industrial_yard, old_town, park, residential_street,
     retail_park, urban_block, village, waterfront. Indoor: apartments, clinic, fair, hotel, library,
     office, restaurant, school, sports, station, supermarket, warehouse. Mixed: campus, hillside,
-    industrial_yard, residential_street, urban_block, waterfront. With --domain any, one of the domains that have the theme is drawn. A checkpoint of your own knows
-    the themes of its corpus; the paper's knows none."""
+    industrial_yard, residential_street, urban_block, waterfront. With --domain any, one of the
+    domains that have the theme is drawn. A checkpoint of your own knows the themes of its corpus;
+    the paper's knows none."""
     prompt: Annotated[str, default_hint("none")] = ""
     """Wishes in English, such as "a crowded harbour street with two cafes and no cars". The wishes
     that were understood are printed first. A seed is drawn until it meets all wishes, 8 times at

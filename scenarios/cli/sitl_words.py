@@ -59,8 +59,10 @@ def announce(console: Terminal, sitl: Sitl) -> None:
         )
     if external is None and (video := first.own.payload.video) is not None:
         console.print(f"Video: H.264 by RTP to {video.uri}", soft_wrap=True)
+    if sitl.airsim_port is not None:
+        console.print(f"AirSim: 127.0.0.1:{sitl.airsim_port}", soft_wrap=True)
     for number, mate in enumerate(mates, 2):
-        east, north, _ = mate.scene.start_position_enu_m
+        east, north, _ = mate.plant.truth.position_enu_m
         console.print(
             styled(
                 f"Vehicle {number}: ",

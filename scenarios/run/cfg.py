@@ -85,6 +85,14 @@ class SitlCfg:
     zenoh for rmw_zenoh."""
     ros2_domain: Annotated[int | None, Range(0, MAX_DOMAIN), _UNSET] = None
     """Domain of ROS 2; by default the value of ROS_DOMAIN_ID, or 0."""
+    airsim: bool = False
+    """Answer the API of AirSim's multirotors, so that scripts for AirSim fly here; see
+    docs/clients/airsim.md."""
+    airsim_port: Annotated[int, Range(0, 65535)] = 41451
+    """TCP port of AirSim's API; 0 takes any that is free."""
+    airsim_settings: Annotated[Path | None, _UNSET] = None
+    """Take vehicles, their places, cameras and sensors, clock speed and wind from AirSim's
+    settings.json; turns --airsim on."""
     viewer: Literal["off", "web", "native"] = "off"
     """Watch live: web serves a page on loopback, native opens the rerun viewer. Either stays after
     the flight, until it is closed or Ctrl-C."""

@@ -31,6 +31,7 @@ from scenarios.run.summary import write_summary
 from scenarios.trials.result import TrialResult
 
 if TYPE_CHECKING:
+    from scenarios.airsim.settings import AirsimSettings
     from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
     from scenarios.recording import Recorder
@@ -53,6 +54,7 @@ class Sitl:
         result: Results of all vehicles, once `run` has ended.
         pictures: Files that were drawn when the run ended.
         missing: A line for each requested file that could not be written whole.
+        airsim_port: Port on which AirSim's clients are answered; None without --airsim.
     """
 
     def __init__(
@@ -82,18 +84,26 @@ class Sitl:
         Raises:
             INPUT_ERRORS: If the run cannot be opened; one line says why, and what would be valid.
         """
+        airsim: AirsimSettings | None = None
+        if cfg.airsim_settings is not None:
+            from scenarios.run.airsim import with_settings
+
+            cfg, airsim = with_settings(cfg, cfg.airsim_settings)
         self.cfg = cfg = cfg if scene is None else replace(cfg, scene=scene.scene_id)
         self.recorder: Recorder | None = None
         self.viewer: Viewer | None = None
         self.result: RunResult | None = None
         self.pictures: list[Path] = []
         self.missing: list[str] = []
+        self.airsim_port: int | None = None
         self._stack = stack = ExitStack()
         # If any part fails to open, those opened before are closed again.
         with ExitStack() as opening:
             opening.push(stack)
             hangar = stack.enter_context(Hangar()) if hangar is None else hangar
             scene, airframes = scene or hangar.scene(cfg.scene), airframes or cfg.airframes
+            if airsim is not None:
+                scene = airsim.located(scene)
             if cfg.start is not None:
                 scene = with_start(scene, airframes[0], cfg.start)
             name = cfg.area
@@ -120,6 +130,11 @@ class Sitl:
                 from scenarios.run.ros2 import open_door
 
                 open_door(cfg, self.bench, self.flights, stack)
+            if cfg.airsim:
+                from scenarios.run.airsim import open_airsim
+
+                door = open_airsim(cfg, airsim, self.bench, self.flights, stack)
+                self.airsim_port = door.port
             opening.pop_all()
 
     def _open_flights(

@@ -11,8 +11,15 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Protocol
 
-from autonomy.types import FlatReference, Vector3
-from flightsim.frames import Geodetic, LocalFrame, swap_enu_ned, swap_yaw_enu_ned
+from autonomy.types import LEVEL, FlatReference, Quaternion, Vector3
+from flightsim.frames import (
+    Geodetic,
+    LocalFrame,
+    swap_enu_ned,
+    swap_flu_frd,
+    swap_quat_enu_flu_ned_frd,
+    swap_yaw_enu_ned,
+)
 from flightsim.mavlink.client.habits import PX4_HABITS, Habits
 from flightsim.mavlink.client.telemetry import Telemetry, TelemetryReader
 from flightsim.mavlink.dialect import dialect as mavlink
@@ -236,6 +243,32 @@ class MavlinkClient:
                 *(0.0, 0.0, 0.0),
                 0.0,
                 -yaw_rate_radps,
+            )
+        )
+
+    def send_attitude(
+        self,
+        quat_wxyz: Quaternion | None,
+        angular_rate_flu_radps: Vector3,
+        thrust: float,
+    ) -> None:
+        """Send one offboard setpoint of attitude, or of angular rates alone.
+
+        Args:
+            quat_wxyz: Attitude from FLU to ENU; None commands the rates alone.
+            angular_rate_flu_radps: Angular rates; feed-forward beside an attitude.
+            thrust: Collective thrust as a fraction of the maximum, 0 to 1.
+        """
+        mask = 0 if quat_wxyz is not None else mavlink.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
+        self._send(
+            mavlink.MAVLink_set_attitude_target_message(
+                self._time_us // 1000,
+                self.telemetry.system_id,
+                _AUTOPILOT_COMPONENT,
+                mask,
+                swap_quat_enu_flu_ned_frd(LEVEL if quat_wxyz is None else quat_wxyz),
+                *swap_flu_frd(angular_rate_flu_radps),
+                thrust,
             )
         )
 

@@ -15,7 +15,7 @@ PX4_RETURN = 5 << 24 | 4 << 16
 PX4_HOLD = 3 << 24 | 4 << 16
 # ArduCopter numbers its modes from 0.
 # ArduCopter's, which it counts.
-_GUIDED, _RTL, _LAND = 4, 6, 9
+_GUIDED, _LOITER, _RTL, _LAND = 4, 5, 6, 9
 
 _STATE_HZ = {
     mavlink.MAVLINK_MSG_ID_LOCAL_POSITION_NED: 50,
@@ -36,6 +36,8 @@ class Habits:
     """Custom mode in which it returns by itself."""
     land_here: int
     """Custom mode in which it lands where it is."""
+    hold: int
+    """Custom mode in which it stays where it is."""
     streams_hz: Mapping[int, float]
     """Messages that a companion steers by, and how often it wants them."""
     unwanted: tuple[int, ...] = ()
@@ -61,6 +63,7 @@ PX4_HABITS = Habits(
     offboard=PX4_OFFBOARD,
     return_home=PX4_RETURN,
     land_here=PX4_LAND,
+    hold=PX4_HOLD,
     streams_hz={
         **_STATE_HZ,
         mavlink.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 5,
@@ -100,6 +103,7 @@ ARDUPILOT_HABITS = Habits(
     offboard=_GUIDED,
     return_home=_RTL,
     land_here=_LAND,
+    hold=_LOITER,
     streams_hz={
         **_STATE_HZ,
         mavlink.MAVLINK_MSG_ID_SYS_STATUS: 2,
