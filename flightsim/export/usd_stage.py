@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -94,8 +95,11 @@ class _Writer:
             UsdGeom.Scope.Define(stage, path)
         sun = UsdLux.DistantLight.Define(stage, "/World/Sun")
         sun.CreateIntensityAttr(2500.0)
-        # A light shines along its -z; the sun is in the south-west, 57 degrees high.
-        UsdGeom.XformCommonAPI(sun).SetRotate(Gf.Vec3f(28.0, -28.0, 0.0))
+        # A light shines along its -z, which a turn about x and then one about y point downwards.
+        east, north, up = self._world.light.sun_direction
+        about_x, about_y = math.asin(north), math.atan2(-east, -up)
+        turn = Gf.Vec3f(math.degrees(about_x), math.degrees(about_y), 0.0)
+        UsdGeom.XformCommonAPI(sun).SetRotate(turn)
         sky = UsdLux.DomeLight.Define(stage, "/World/Sky")
         sky.CreateIntensityAttr(700.0)
         sky.CreateColorAttr(Gf.Vec3f(0.75, 0.85, 1.0))

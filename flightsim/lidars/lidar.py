@@ -126,7 +126,9 @@ class Lidar:
         number = self._n_fired // cfg.pattern.shots_per_scan
         plant = self._plant
         # A stream of its own for each scan, so its noise does not depend on what else is drawn.
-        rng = generator(plant.cfg.seed, plant.world.scene.scene_id, "lidar", number)
+        # So has each vehicle after the first, whose stream has no number of its own.
+        who = [f"vehicle {vehicle}"] if (vehicle := plant.world.number) else []
+        rng = generator(plant.cfg.seed, plant.world.scene.scene_id, "lidar", *who, number)
         measured_m = distance_m + cfg.noise_m * rng.standard_normal(len(distance_m))
         near_m, far_m = cfg.range_m
         # The true distance decides, so that noise lets no wall behind the range appear.

@@ -39,6 +39,13 @@ def test_the_stage_is_in_metres_with_z_up(stage):
     assert scene.GetGravityMagnitudeAttr().Get() == pytest.approx(GRAVITY_MPS2)
 
 
+def test_the_sun_shines_as_in_pictures(world, stage):
+    sun = UsdGeom.Xformable(stage.GetPrimAtPath("/World/Sun"))
+    turn = np.array(sun.ComputeLocalToWorldTransform(Usd.TimeCode.Default()))[:3, :3]
+    # USD multiplies rows; a light shines along its -z.
+    np.testing.assert_allclose((0, 0, -1) @ turn, world.light.sun_direction, atol=1e-3)
+
+
 def test_objects_are_nested_and_labelled(world, stage, prim_of):
     assert len(prim_of) == len(world.scene.objects)
     for obj in world.scene.objects:

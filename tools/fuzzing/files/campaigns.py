@@ -73,6 +73,7 @@ def campaign_cases() -> Iterator[Case]:
             "c/campaign.json": json.dumps(manifest).encode(),
             # Exits at once, so that an import shows by a fault of its own, too.
             "c/owned.py": b"raise SystemExit",
+            "c/run": b"#!/bin/sh\ntouch {here}/owned\n",
         }
         yield Case(kind="campaign", name=f"names-a-{name}", files=files, command=fly)
     for name, way, value in _VALUES:

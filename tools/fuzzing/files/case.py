@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = "{here}"
-"""Placeholder in a command for the folder of the files; in contents it stays as it is."""
+"""Placeholder for the folder of the files, in a command and in contents."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +37,9 @@ class Case:
         for name, content in self.files.items():
             path = folder / name
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_bytes(content)
+            path.write_bytes(content.replace(HERE.encode(), str(folder).encode()))
+            # A program that was shared may be started: then the judge must see it.
+            path.chmod(0o755)
         return [word.replace(HERE, str(folder)) for word in self.command]
 
 

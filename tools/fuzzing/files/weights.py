@@ -45,8 +45,8 @@ def _checkpoints() -> Iterator[tuple[str, bytes]]:
     yield "header-claims-all", b"\xff" * 8 + b"{}"
     yield "header-nested", _safetensors(b"[" * 1_000_000)
     yield "no-metadata", _safetensors({"a": one}, bytes(4))
-    # The first bytes of a pickle, which would run code if it were loaded.
-    yield "pickle", b"\x80\x04\x95csystem\n(S'true'\ntR."
+    # A pickle that leaves the file "owned" if it is loaded.
+    yield "pickle", b"\x80\x02cos\nsystem\n(S'touch {here}/owned'\ntR."
     yield (
         "metadata-nested",
         _safetensors({"__metadata__": {_KEY: "[" * 100_000}, "a": one}, bytes(4)),
