@@ -267,9 +267,12 @@ def _at(elevation_deg: float) -> _Hour:
 
     return _Hour(
         elevation_deg,
-        *(_colour(between(name)) for name in ("ambient_rgb", "sun_rgb")),
-        *(float(between(name)[0]) for name in ("sun_share", "sky_share")),
-        *(_colour(between(name)) for name in ("horizon_rgb", "zenith_rgb")),
+        _colour(between("ambient_rgb")),
+        _colour(between("sun_rgb")),
+        float(between("sun_share")[0]),
+        float(between("sky_share")[0]),
+        _colour(between("horizon_rgb")),
+        _colour(between("zenith_rgb")),
     )
 
 

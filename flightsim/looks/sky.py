@@ -68,22 +68,22 @@ def painted_sky(
     if colours.stars > 0.0:
         rgb += colours.stars * _stars(x, y, up)[:, None]
     has_clouds = up > 0.02
-    parts = (part[has_clouds] for part in (rgb, x, y, up, to_sun))
-    rgb[has_clouds] = _with_clouds(*parts, colours)
+    parts = [part[has_clouds] for part in (rgb, x, y, up, to_sun)]
+    rgb[has_clouds] = _with_clouds(colours, *parts)
     is_sun = colours.sun * np.clip((_SUN_RADIUS_RAD - to_sun) / 0.004, 0.0, 1.0)[:, None]
     rgb += is_sun * (np.array([1.0, 0.98, 0.90], np.float32) - rgb)
     is_low = z < _HIGHEST_LAND
-    rgb[is_low] = _with_land(*(part[is_low] for part in (rgb, x, y, z)), colours)
+    rgb[is_low] = _with_land(colours, *(part[is_low] for part in (rgb, x, y, z)))
     return np.clip(rgb, 0.0, 1.0)
 
 
 def _with_clouds(
+    colours: SkyColours,
     rgb: np.ndarray,
     x: np.ndarray,
     y: np.ndarray,
     up: np.ndarray,
     to_sun: np.ndarray,
-    colours: SkyColours,
 ) -> np.ndarray:
     """Clouds on a plane overhead, thinner towards the horizon."""
     reach = 1.0 / (up + 0.11)
@@ -98,7 +98,7 @@ def _with_clouds(
 
 
 def _with_land(
-    rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray, colours: SkyColours
+    colours: SkyColours, rgb: np.ndarray, x: np.ndarray, y: np.ndarray, z: np.ndarray
 ) -> np.ndarray:
     """Hills and woods along the horizon, far land below it."""
     # Sample around the circle, so that the silhouette closes.

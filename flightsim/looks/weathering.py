@@ -68,7 +68,7 @@ def weathered(paint: Paint, light: Light) -> Paint:
         paint = paint.tinted(_GRASS[light.season])
     if light.falling == "rain" and texture in _GROUND:
         paint = paint.tinted(_WET)
-    elif light.falling == "snow" and texture in _SNOW_COVER:
+    elif light.falling == "snow" and texture is not None and texture in _SNOW_COVER:
         share = _SNOW_COVER[texture]
         red, green, blue = (
             (1.0 - share) * own + share * snow for own, snow in zip(paint.rgb, _SNOW, strict=True)
