@@ -226,8 +226,10 @@ def test_images_and_ranges_agree_with_the_height(flying):
     cloud = flying.call("getLidarData", "", "")
     points = np.array(cloud["point_cloud"]).reshape(-1, 3)
     assert len(points) == 144
-    # In the local frame the flat field lies below the legs' ends, and below the pad of the start.
-    assert points[:, 2] == pytest.approx(flying.sitl.bench.airframe.leg_length_m + 0.06, abs=0.05)
+    # In the local frame both the pad of the start and the flat field lie just below its legs.
+    below_legs_m = points[:, 2] - flying.sitl.bench.airframe.leg_length_m
+    assert below_legs_m.min() > -0.05
+    assert below_legs_m.max() < 0.12
 
 
 def test_time_stands_still_and_goes_on_for_as_long_as_is_asked(caller):
