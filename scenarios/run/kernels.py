@@ -14,7 +14,7 @@ import numpy as np
 
 from aeroscene.sources import load_scene
 from autonomy.jit import announce_if_cold
-from autonomy.mapping import Agenda, SeenMap, plan_towards
+from autonomy.mapping import Agenda, SeenMap, SeenMapCfg, plan_towards
 from autonomy.perception import MapAnchor, MapMatcher, MoverTracker, SurfaceMatcher
 from autonomy.planning import Craft, FlightLimits, PlannerCfg
 from autonomy.planning.obstacles import Obstacles
@@ -121,6 +121,12 @@ def explore_once() -> None:
     image = posed_image(wall, camera_mount(airframe, "forward"), telemetry)
     seen.observe(image)
     seen.observe(image)
+    seen.be_at(telemetry.position_enu_m, airframe.collision_radius_m, sole_m=0.1)
+    # A wide map searches in blocks, which large places alone need.
+    wide = SeenMap((-4.0, -4.0, 0.0), (12.0, 4.0, 8.0), SeenMapCfg(most_whole_cells=1))
+    wide.observe(image)
+    here = wide.cells(np.array(telemetry.position_enu_m))
+    wide.route_in(wide.search_block(here), airframe.collision_radius_m)
     anchor = MapAnchor(SurfaceMatcher((-4.0, -4.0, 0.0), (12.0, 4.0, 8.0)))
     anchor.stand_at(0.0, telemetry.position_enu_m, telemetry.position_enu_m)
     anchor.update(0.0, image)

@@ -104,6 +104,7 @@ def image(caller, kind, form, camera="down"):
 
 
 def test_vehicles_stand_where_the_settings_say(caller):
+    caller.call("reset")
     assert caller.call("listVehicles") == ["Drone1"]
     assert caller.call("simAddVehicle", "Drone2", "simpleflight", pose(0, 0, 0), "") is True
     assert caller.call("listVehicles") == ["Drone1", "Drone2"]
@@ -120,6 +121,8 @@ def test_vehicles_stand_where_the_settings_say(caller):
 
 
 def test_what_is_not_offered_or_wrong_is_named(caller):
+    caller.call("reset")
+    caller.call("enableApiControl", False, "")
     for method, args, line in (
         ("simLoadLevel", ("x",), "simLoadLevel is not offered: there is no Unreal Engine"),
         ("fly", (), "'fly' is no method"),
