@@ -1,7 +1,7 @@
 """The air in a picture: the sky, haze and fog by depth, rain and snow in front of the lens.
 
 Everything here is painted over a finished picture from its depth, so that both renderers share it
-and the depth itself stays exact. A depth camera in the real world sees less in fog; use
+and the depth itself has no haze. A depth camera in the real world sees less in fog; use
 `--depth-camera` for errors of depth.
 """
 

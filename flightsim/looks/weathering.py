@@ -1,6 +1,6 @@
 """What season, rain and snow do to paints: leaves turn, ground is wet, roofs and meadows are white.
 
-The change is one of paints, not of geometry: depth, labels and collisions are the same in every
+The change is one of paints, not of geometry: labels and collisions are the same in every
 weather, so that a flight differs only in what its cameras show.
 """
 

@@ -83,7 +83,7 @@ class TestbenchCfg:
     light: str = ""
     """Time of day and weather of camera images: terms with commas between them, such as dusk, fog
     80 m or 11:30, rain, or random, which the seed draws; by default a fair afternoon. It changes
-    colours alone, no depth and no flight. See docs/light.md."""
+    colours, and depth by 4 mm at most. See docs/light.md."""
     season: Season = "summer"
     """Season of leaves, grass and the date of the light: spring, summer, autumn or winter."""
     segmentation: bool = False
