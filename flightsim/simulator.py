@@ -65,7 +65,7 @@ class Interlude(Protocol):
     """Someone outside who may stop time, and who has work for the time between two ticks."""
 
     def may_step(self, timeout_s: float) -> bool:
-        """Whether time may pass; waits a moment while it may not."""
+        """Return True if time may pass; otherwise wait a moment."""
         ...
 
     def idle(self, seconds: float) -> None:

@@ -115,7 +115,7 @@ class Air:
         rgb[:] = (rgb + share * (colour - rgb) + 0.5).astype(np.uint8)
 
     def _is_under_roof(self, view: Viewpoint) -> bool:
-        """Whether something of the scene is above the eye."""
+        """Return True if something of the scene is above the eye."""
         if self._has_roofs is None:
             self._has_roofs = self._world.new_data()
         groups = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)

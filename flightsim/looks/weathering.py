@@ -1,4 +1,4 @@
-"""What season, rain and snow do to paints: leaves turn, ground is wet, roofs and meadows are white.
+"""Paints in season, rain and snow: leaves turn, wet ground darkens, roofs and meadows whiten.
 
 The change is one of paints, not of geometry: labels and collisions are the same in every
 weather, so that a flight differs only in what its cameras show.

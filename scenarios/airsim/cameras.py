@@ -59,7 +59,7 @@ class Camera:
         return self.lenses.get(image_type, self.lens)
 
     def viewpoint(self, plant: Plant, lens: Lens) -> Viewpoint:
-        """Where it is now, by the true pose of the vehicle."""
+        """Viewpoint of the camera now, by the true pose of the vehicle."""
         truth, position = plant.truth, self.pose.position
         enu_from_flu = rotation(truth.quat_wxyz)
         offset = np.array([position.x_val, -position.y_val, -position.z_val])

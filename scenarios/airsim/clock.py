@@ -21,7 +21,7 @@ class Clock:
 
     @property
     def may_pass(self) -> bool:
-        """Whether the next tick may come."""
+        """Return True if the next tick may come."""
         return not self.is_paused
 
     def on_tick(self, now_us: int) -> None:

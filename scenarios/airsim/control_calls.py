@@ -64,7 +64,7 @@ class ControlCalls:
         self._find(vehicle_name).flyer.enable(is_enabled=is_enabled)
 
     def is_enabled(self, vehicle_name: str = "") -> bool:
-        """Whether a client has API control."""
+        """Return True if a client has API control."""
         return self._find(vehicle_name).flyer.is_enabled
 
     def arm(self, arm: bool, vehicle_name: str = "") -> Later:

@@ -26,7 +26,7 @@ class Craft:
     vehicle: Vehicle
     flyer: Flyer
     origin_enu_m: Vector3
-    """Where it stood at first: origin of its local frame, north-east-down."""
+    """Place of the vehicle at the start: origin of its local frame, north-east-down."""
     contacts: Contacts
     rangers: Rangers
     """Its distance sensors and lidars."""

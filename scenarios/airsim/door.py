@@ -154,7 +154,7 @@ class AirsimDoor:
         self._server.serve(0.0, _SHARE_S)
 
     def may_step(self, timeout_s: float) -> bool:
-        """Whether time may pass; while it may not, calls are answered for a moment."""
+        """Return True if time may pass; otherwise answer calls for a moment."""
         if not self._clock.may_pass:
             self._server.serve(timeout_s, _SHARE_S)
         return self._clock.may_pass

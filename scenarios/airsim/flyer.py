@@ -58,7 +58,7 @@ class Flyer:
         self._deadline_us = math.inf
         self._arming: tuple[Later, bool, Command, float] | None = None
         self._is_kept_disarmed = False
-        """Whether a client has disarmed the vehicle, so that no move arms it."""
+        """True if a client has disarmed the vehicle, so that no move arms it."""
         self._send: Sender | None = None
         """Sends the setpoint of this tick."""
         self._is_engaged = False
@@ -96,12 +96,12 @@ class Flyer:
 
     @property
     def is_landed(self) -> bool:
-        """Whether the autopilot reports that the vehicle stands on the ground."""
+        """True if the autopilot reports that the vehicle stands on the ground."""
         return self.client.telemetry.landed_state == LANDED_ON_GROUND
 
     @property
     def is_armed(self) -> bool:
-        """Whether the rotors may turn."""
+        """True if the vehicle is armed, so that the rotors may turn."""
         return self.reports.is_armed
 
     @property

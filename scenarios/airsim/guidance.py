@@ -20,7 +20,7 @@ from scenarios.airsim.messages import YawMode
 FASTEST_XY_MPS, FASTEST_UP_MPS, FASTEST_DOWN_MPS = 12.0, 3.0, 1.5
 """Greatest speeds of the autopilot, as its parameters MPC_XY_VEL_MAX and MPC_Z_VEL_MAX_* say."""
 FORWARD_ONLY = 1
-"""Of AirSim's DrivetrainType: the nose points along the flight."""
+"""Value of AirSim's DrivetrainType with which the nose points along the flight."""
 TICK_S = 0.02
 
 _YAW_RATE_RADPS, _YAW_ACCELERATION_RADPS2 = math.radians(90.0), math.radians(180.0)
@@ -35,7 +35,7 @@ _CORNER_M = 2.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Facing:
-    """Where the nose is to point during a move."""
+    """Direction of the nose during a move."""
 
     mode: YawMode = _HOLDING
     drivetrain: int = 0
@@ -94,7 +94,7 @@ class Guidance:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether the reference rests at its goal."""
+        """True if the reference rests at its goal."""
         return self._path.is_at_rest
 
     def fly_to(
@@ -182,7 +182,7 @@ class Leg:
     """A line of a path."""
 
     start_enu_m: Vector3 | None
-    """Where the line begins; None is where the reference is."""
+    """Beginning of the line; None for the place of the reference."""
     goal_enu_m: Vector3
     radius_m: float
     """Distance from the goal at which the next line takes over; 0 stops there."""

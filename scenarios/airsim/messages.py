@@ -20,7 +20,7 @@ class Vector3r(msgspec.Struct, frozen=True):
 
     @property
     def is_finite(self) -> bool:
-        """Whether all components are finite."""
+        """Return True if all components are finite."""
         return all(map(math.isfinite, (self.x_val, self.y_val, self.z_val)))
 
 
@@ -201,7 +201,7 @@ class GnssReport(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Gps(msgspec.Struct, frozen=True):
-    """What the receiver says."""
+    """Report of the satellite receiver."""
 
     time_stamp: int
     gnss: GnssReport
@@ -209,7 +209,7 @@ class Gps(msgspec.Struct, frozen=True):
 
 
 class Distance(msgspec.Struct, frozen=True, kw_only=True):
-    """What a rangefinder measures."""
+    """Measurement of a rangefinder."""
 
     time_stamp: int
     distance: float

@@ -34,7 +34,7 @@ class DistanceCfg:
     least_m: float
     most_m: float
     pose: Pose
-    """Where it stands on the vehicle, forward-right-down."""
+    """Place of the sensor on the vehicle, forward-right-down."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -261,18 +261,18 @@ class _Client:
         self.pending: list[tuple[int, Later]] = []
         self.mask: int = selectors.EVENT_READ
         self.has_backlog = False
-        """Whether calls may lie in the splitter that have not been looked at."""
+        """True if the splitter may hold calls that were not looked at."""
         self.is_over = False
-        """Whether the client sends nothing any more."""
+        """True if the client has closed its side."""
 
     @property
     def may_work(self) -> bool:
-        """Whether there is room for the answer of another call."""
+        """Return True if there is room for the answer to another call."""
         return len(self.pending) < _MOST_PENDING and self.n_out < _PAUSE_READING_BYTES
 
     @property
     def may_read(self) -> bool:
-        """Whether to read on."""
+        """Return True if the connection should be read further."""
         return not self.is_over and not self.has_backlog and self.may_work
 
     def read(self) -> None:

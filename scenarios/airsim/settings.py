@@ -53,7 +53,7 @@ class VehicleSettings:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AirsimSettings:
-    """What a settings.json asks for."""
+    """Settings of a run that a settings.json asks for."""
 
     vehicles: tuple[VehicleSettings, ...] = ()
     lens: Lens = field(default_factory=Lens)

@@ -1,4 +1,4 @@
-"""Where settings.json has the vehicles start: each stands on the first surface below its point."""
+"""Starts of vehicles by settings.json: each stands on the first surface below its point."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ class StateCalls:
         }
 
     def state(self, vehicle_name: str = "") -> MultirotorState:
-        """What the autopilot reports."""
+        """Return the state that the autopilot reports."""
         craft = self._find(vehicle_name)
         plant, reports = craft.vehicle.plant, craft.vehicle.stack.reports
         believed = plant.estimate if plant.is_aligned else plant.truth
@@ -100,11 +100,11 @@ class StateCalls:
         return Pose(craft.local(truth.position_enu_m), attitude(truth.quat_wxyz))
 
     def collision(self, vehicle_name: str = "") -> Collision:
-        """What was touched since the last call."""
+        """Return the contacts since the last call."""
         return self._find(vehicle_name).contacts.take()
 
     def home(self, vehicle_name: str = "") -> GeoPoint:
-        """Where the vehicle started."""
+        """Return the place on the earth where the vehicle started."""
         craft = self._find(vehicle_name)
         return geo(craft.vehicle.frame.geodetic_from_enu(craft.origin_enu_m))
 
@@ -178,7 +178,7 @@ class StateCalls:
         return Gps(stamp(reading.time_us), report, is_fixed)
 
     def distance(self, distance_sensor_name: str = "", vehicle_name: str = "") -> Distance:
-        """What a distance sensor measures."""
+        """Return the measurement of a distance sensor, m."""
         craft = self._find(vehicle_name)
         cfg = named(craft.rangers.distances, distance_sensor_name, "distance sensor")
         return Distance(
@@ -204,12 +204,12 @@ class StateCalls:
         )
 
     def sees_point(self, point: GeoPoint, vehicle_name: str = "") -> bool:
-        """Whether nothing is between the vehicle and a place on the earth."""
+        """Return True if nothing is between the vehicle and a place on the earth."""
         craft = self._find(vehicle_name)
         return self._see(craft, craft.vehicle.plant.truth.position_enu_m, _place(craft, point))
 
     def see_each_other(self, point1: GeoPoint, point2: GeoPoint, vehicle_name: str = "") -> bool:
-        """Whether nothing is between two places on the earth."""
+        """Return True if nothing is between two places on the earth."""
         craft = self._find(vehicle_name)
         return self._see(craft, _place(craft, point1), _place(craft, point2))
 

@@ -23,7 +23,7 @@ _COLOURS = {_FOG: (204, 209, 214), _DUST: (196, 164, 120)}
 
 
 class Weather:
-    """What clients have made of the weather."""
+    """Weather as clients have set it."""
 
     def __init__(self) -> None:
         self._is_enabled = False

@@ -80,7 +80,7 @@ class WorldCalls:
         }
 
     def ping(self) -> bool:
-        """Whether the run answers."""
+        """Return True, to show that the run answers."""
         return True
 
     def reset(self) -> Later | None:
@@ -93,7 +93,7 @@ class WorldCalls:
         self._clock.pause(is_paused=is_paused)
 
     def is_paused(self) -> bool:
-        """Whether time stands still."""
+        """Return True if time stands still."""
         return self._clock.is_paused
 
     def wind(self, wind: Vector3r) -> None:

@@ -25,7 +25,7 @@ from flightsim.vehicles import Airframe
 from flightsim.world import World
 
 _View = tuple[Scene, Airframe, tuple[int, int], Light]
-"""What a renderer draws: scene, vehicle, size of the images, light."""
+"""Key of a renderer: scene, vehicle, size of the images, light."""
 _KEPT = 2
 """Number of scenes, and of renderers, that are kept: a campaign flies scene by scene."""
 

@@ -1,4 +1,4 @@
-"""Where the sun stands: by place, date and time of day, from the library astral.
+"""Position of the sun by place, date and time of day, from the library astral.
 
 Times are local mean solar time: 12:00 is when the sun is highest, up to a quarter of an hour. A
 scene has a place on the earth but no time zone, and light depends on the sun alone.
