@@ -108,7 +108,7 @@ class Objects:
 
 
 def _may_hang(pattern: str) -> bool:
-    """Return True if a pattern may take long to fail, because it repeats a group or repeats often."""
+    """Return True if a pattern may take long to fail: it repeats a group, or repeats often."""
     plain = re.sub(r"\\.|\[[^\]]*\]", "x", pattern)
     repeats = len(re.findall(r"[*+{]", plain))
     return repeats > _MOST_REPEATS or re.search(r"\)[*+?{]", plain) is not None
