@@ -16,6 +16,7 @@ from jaxtyping import Bool, Int
 from aeroscene.feasibility.boxes import Boxes, joined, strangers
 from aeroscene.feasibility.doors import door_air, fit_openings, yield_to_furniture
 from aeroscene.feasibility.extents import fit_extent, hold_all
+from aeroscene.feasibility.gaps import settle_gaps
 from aeroscene.feasibility.ground import find_ground
 from aeroscene.feasibility.headings import square_up
 from aeroscene.feasibility.heights import set_heights
@@ -173,6 +174,8 @@ def _settle_fine(layout: Layout) -> None:
     # A turned chair or vehicle may overlap again, hence once more after turning.
     _turn_about(layout)
     resettle(layout, layout.is_fine, _air(layout))
+    # Before floating objects are looked for, because a shift may take one off its bearer.
+    settle_gaps(layout, _air(layout))
     _mend_floating(layout)
     _turn_about(layout)
 

@@ -54,16 +54,16 @@ class TrainCfg:
     threads: Annotated[int | None, THREADS, default_hint("all cores")] = None
     """Number of CPU threads."""
     parts: Annotated[
-        tuple[Literal["writer", "prior", "denoiser"], ...] | None,
-        default_hint("all of these", metavar="{writer,prior,denoiser} ..."),
+        tuple[Literal["writer", "contents", "prior", "denoiser"], ...] | None,
+        default_hint("all of these", metavar="{writer,contents,prior,denoiser} ..."),
     ] = None
-    """Parts of the model to train. The default preset has writer and denoiser, paper has prior (a
-    minute) and denoiser."""
+    """Parts of the model to train. The default preset has writer and denoiser, the paper's presets
+    have contents, prior (a minute) and denoiser."""
     take: Annotated[Path | None, default_hint("none")] = None
     """Checkpoint from which the parts that are not trained are copied; it must be of the same
     data."""
     begin: Annotated[str | None, default_hint("random weights")] = None
-    """Checkpoint whose weights the trained parts begin with, or `shipped` for the one that ships. A
+    """Checkpoint whose weights the trained parts begin with, or `shipped` for the preset's own. A
     model of other scenes learns these in less time than random weights do."""
     keep_language: bool = False
     """Keep the kinds and statistics of --begin instead of learning them from the data, to continue

@@ -103,7 +103,7 @@ def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
     # A resumed training stays on its stream, also without --stream.
     is_streamed = cfg.stream or (head is not None and head.facts.data.stream != "")
     begun = _begun_with(cfg, preset, sections)
-    language = begun.language if begun is not None and cfg.keep_language else None
+    language = _language_of(begun) if cfg.keep_language else None
     data = _read_data(cfg.data, preset, is_streamed=is_streamed, language=language)
     # Sizes that follow from the data, such as that of the vocabulary; a saved training has them.
     if head is None:
@@ -124,7 +124,7 @@ def training_plan(cfg: TrainCfg, head: StateHead | None) -> Plan:
     )
 
 
-def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begun | None:
+def _begun_with(cfg: TrainCfg, preset: Preset, sections: Mapping[str, Any]) -> Begun | None:
     """Return the model whose weights the parts begin with, None for random weights."""
     from aeroscene.learning.generation.loading import SHIPPED
     from aeroscene.learning.training.carried import read_begun
@@ -135,22 +135,23 @@ def _begun_with(cfg: TrainCfg, preset: str, sections: Mapping[str, Any]) -> Begu
         valid = "with --begin, whose language it is"
         require(ok=not cfg.keep_language, name="keep_language", value=True, valid=valid)
         return None
-    valid = f"none with preset {preset}, which has another network"
-    require(ok=not is_flat(sections), name="begin", value=cfg.begin, valid=valid)
+    valid = f"without it with preset {preset}, which has no language"
+    is_kept = cfg.keep_language
+    require(ok=not (is_kept and is_flat(sections)), name="keep_language", value=True, valid=valid)
     path = SHIPPED[preset] if cfg.begin == "shipped" else Path(cfg.begin)
-    return read_begun(path, any_catalogue=not cfg.keep_language)
+    return read_begun(path, preset, any_catalogue=not is_kept)
+
+
+def _language_of(begun: Begun | None) -> Language | None:
+    from aeroscene.learning.writer.language import Language
+
+    return begun.known if begun is not None and isinstance(begun.known, Language) else None
 
 
 def _first_weights(
     begun: Begun | None, data: TrainingData, sections: Mapping[str, Any]
 ) -> dict[Part, Weights]:
-    from aeroscene.learning.writer.language import Language
-
-    if begun is None:
-        return {}
-    known = data.train.known
-    assert isinstance(known, Language)
-    return begun.parts_for(known, sections)
+    return {} if begun is None else begun.parts_for(data.train.known, sections)
 
 
 def _taken(

@@ -305,9 +305,10 @@ class Request:
         self, alike: Sequence[Wish], rng: np.random.Generator, *, is_corpus: bool
     ) -> tuple[Wish, AreaLimits | None]:
         """Draw the contents of one of these scenes, and put in what is asked for."""
-        # Drawn even if it is not used, so that the next draw stays the same.
-        limits = area_limits(self.n_areas, draw_budget(rng))
         wish = self._with_objects(alike[int(rng.integers(len(alike)))])
+        # Sites have other limits than rooms. Drawn even if they are not used, so that later draws
+        # stay the same.
+        limits = area_limits(self.n_areas, draw_budget(rng, wish.domain))
         if self.n_areas is not None:
             return replace(wish, n_areas=in_all(limits)), limits
         return wish, limits if is_corpus else None

@@ -41,6 +41,9 @@ BARE_M = 30.0
 # Least and greatest extents, so that any number decodes to a box.
 _LEAST_M = 0.05
 _MOST_M = 500.0
+_CENTIMETRE_M = 0.01
+_ENDS_AT_LEVEL = 2
+"""First reference of a height that is a difference from a level, see `size_and_base`."""
 _BESIDE = frozenset({Kind.SIDE, Kind.FACING})
 
 
@@ -202,3 +205,29 @@ def _extent(value: float, reference: int, along_m: float, less_m: float) -> floa
     # To a tenth of a millimetre: single precision, in which statistics are kept, has no more.
     least_m = _LEAST_M if reference == 2 else MIN_SIZE_M
     return round(min(max(found_m, least_m), _MOST_M), 4)
+
+
+def in_centimetres(size_m: Vector3, references: Sequence[int]) -> Vector3:
+    """Round extents to whole centimetres.
+
+    An extent that follows from the bearer's is rounded down, so that the object still fits there. A
+    height that ends at a host's or bearer's level stays, because the object must reach this level.
+    Extents below a centimetre stay too.
+
+    Args:
+        size_m: Extents.
+        references: Reference of each, as `size_and_base` takes them.
+    """
+    x_m, y_m = (
+        _rounded(extent_m, is_down=reference > 0)
+        for extent_m, reference in zip(size_m[:2], references[:2], strict=True)
+    )
+    z_m = size_m[2] if references[2] >= _ENDS_AT_LEVEL else _rounded(size_m[2], is_down=False)
+    return x_m, y_m, z_m
+
+
+def _rounded(extent_m: float, *, is_down: bool) -> float:
+    hundred = extent_m / _CENTIMETRE_M
+    # Extents are kept to a tenth of a millimetre, so that 0.4 m may be 0.39999.
+    whole = math.floor(hundred + 0.02) if is_down else round(hundred)
+    return round(whole * _CENTIMETRE_M, 2) if whole > 0 else extent_m

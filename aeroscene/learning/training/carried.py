@@ -6,6 +6,9 @@ old one is taken; everything else stays the same.
 
 The languages may be of two catalogues. Categories are matched by name. Kinds of a category that the
 first catalogue lacks begin with the mean of all vectors, and its traits with zeros.
+
+The paper's presets have no language. Their networks see categories of the catalogue and
+standardised channels, so their weights are taken as they are; statistics are those of the new data.
 """
 
 from __future__ import annotations
@@ -21,8 +24,9 @@ from torch import Tensor
 
 from aeroscene.learning.program.kinds import Kind
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
-from aeroscene.learning.training.checkpoint import Weights, read_checkpoint
-from aeroscene.learning.training.checkpoint_facts import CheckpointError, Part
+from aeroscene.learning.training.checkpoint import Known, Weights, read_checkpoint
+from aeroscene.learning.training.checkpoint_facts import FLAT_PRESETS, CheckpointError, Part
+from aeroscene.learning.training.config import Preset
 from aeroscene.learning.training.presets import Sections, sections_from_plain
 from aeroscene.learning.writer.language import Language
 
@@ -30,8 +34,8 @@ _BY_ARRAY = {"writer": "numbers.5.weight", "denoiser": "embedding.extra.2.weight
 """Weights with one row for each array of groups."""
 _ARRAYS_LAST = ("rest.3.weight", "rest.3.bias")
 """Weights whose last rows are for the arrays of groups."""
-_NETWORKS = {"writer": "writer", "denoiser": "model"}
-"""Section of the network of each part."""
+_NETWORKS: Mapping[Part, str] = {"writer": "writer", "contents": "contents", "denoiser": "model"}
+"""Section of the network of each part that can begin with other weights."""
 _NO_SIZES = {"n_kinds", "dropout", "least_share", "trust"}
 """Fields of these sections that do not change the shapes of weights, or follow from the
 language."""
@@ -42,15 +46,15 @@ class Begun:
     """A model with which a training begins."""
 
     path: Path
-    language: Language
+    known: Known
     parts: Mapping[Part, Weights]
     sections: Sections
 
-    def parts_for(self, language: Language, sections: Sections) -> dict[Part, Weights]:
-        """Return its parts in a language, for networks of some sections.
+    def parts_for(self, known: Known, sections: Sections) -> dict[Part, Weights]:
+        """Return its parts for networks of some sections, in the language of other data.
 
         Args:
-            language: Language of the new training.
+            known: Language or statistics of the new training.
             sections: Sections of the new training.
 
         Raises:
@@ -65,27 +69,37 @@ class Begun:
                     f"checkpoint {str(self.path)!r} has a network of other sizes than [{name}]; "
                     f"valid: {other}"
                 )
-            parts[part] = carried(part, weights, self.language.vocabulary, language.vocabulary)
+            if isinstance(self.known, Language) and isinstance(known, Language):
+                old, new = self.known.vocabulary, known.vocabulary
+                parts[part] = carried(part, weights, old, new)
+            else:
+                parts[part] = weights
         return parts
 
 
-def read_begun(path: Path, *, any_catalogue: bool = True) -> Begun:
+def read_begun(path: Path, preset: Preset = "default", *, any_catalogue: bool = True) -> Begun:
     """Read the model of a checkpoint.
+
+    The semantic prior of the paper's presets is left out: it is trained anew in a minute.
 
     Args:
         path: File of the checkpoint.
+        preset: Preset of the new training. Weights of `paper` and `progressive` fit each other.
         any_catalogue: True accepts the categories of an earlier catalogue. A training that keeps
-            its language needs those of this one.
+            its language needs those of this one, and so do the paper's presets.
 
     Raises:
-        CheckpointError: If it cannot be used, or has another preset than `default`.
+        CheckpointError: If it cannot be used, or has a preset with other networks.
     """
-    found = read_checkpoint(path, any_catalogue=any_catalogue)
-    if not isinstance(found.known, Language):
+    is_flat = preset in FLAT_PRESETS
+    found = read_checkpoint(path, any_catalogue=any_catalogue and not is_flat)
+    if is_flat != (found.facts.preset in FLAT_PRESETS):
+        valid = " or ".join(map(repr, sorted(FLAT_PRESETS))) if is_flat else "'default'"
         raise CheckpointError(
-            f"checkpoint {str(path)!r} is of preset {found.facts.preset!r}; valid: 'default'"
+            f"checkpoint {str(path)!r} is of preset {found.facts.preset!r}; valid: {valid}"
         )
-    return Begun(path, found.known, found.parts, sections_from_plain(found.facts.configs))
+    parts = {part: weights for part, weights in found.parts.items() if part in _NETWORKS}
+    return Begun(path, found.known, parts, sections_from_plain(found.facts.configs))
 
 
 def _sizes_of(cfg: Any) -> dict[str, object]:

@@ -190,6 +190,14 @@ def test_a_model_that_cannot_be_begun_with_is_named_in_a_line(
     assert not out.exists()
 
 
+def test_the_papers_presets_have_no_language_to_keep(corpus, tmp_path, capsys):
+    options = ["--preset", "paper", "--begin", "shipped", "--keep-language", "--steps", "1"]
+    out = tmp_path / "out"
+    status, _, errors = run(capsys, ["train", "--data", str(corpus), "--out", str(out), *options])
+    assert status == 2
+    assert "keep_language is True; valid: without it with preset paper" in errors
+
+
 @pytest.mark.timeout(600)
 def test_ctrl_c_saves_and_a_resume_goes_on(corpus, config, tmp_path):
     out = tmp_path / "out"

@@ -15,3 +15,6 @@ class DecodingCfg:
     mends: bool = True
     """True puts objects where their category has to be: boats afloat, vehicles in their lanes,
     plates before chairs, chairs turned to their tables."""
+    rounds: bool = True
+    """True gives units other than ground whole centimetres as extents, as curated objects have
+    them. A model draws real numbers, and their decimals would give its scenes away."""

@@ -214,7 +214,8 @@ class Builder:
         # A house with storeys has one roof; further ones are not built.
         if is_roof and self._overhead.has_roof:
             return
-        unit = read_unit(draft, place, bearer, self._last_m.get(kind.what))
+        rounds = self._cfg.rounds and kind.category not in GROUND
+        unit = read_unit(draft, place, bearer, self._last_m.get(kind.what), rounds=rounds)
         self._last_m[kind.what] = unit_size_m(unit)
         if unit.array is not None:
             draft.pitches_m[place] = unit.array.pitch_m

@@ -40,8 +40,8 @@ def hosts_found(program, monkeypatch):
     """Each unit's kind with what it came to stand beside, where it had a choice."""
     found = []
 
-    def watched(making, token, bearer, last_m=None):
-        unit = read_unit(making, token, bearer, last_m)
+    def watched(making, token, bearer, last_m=None, **options):
+        unit = read_unit(making, token, bearer, last_m, **options)
         found.append((making.program.kinds[token], making.host_key(unit.host_id)))
         return unit
 

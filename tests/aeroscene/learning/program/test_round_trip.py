@@ -27,6 +27,7 @@ from aeroscene.learning.program.statistics import (
     to_example,
 )
 from aeroscene.learning.program.vocabulary import ProgramVocabulary
+from aeroscene.metrics.places.precision import whole_centimetres
 from aeroscene.metrics.places.roads import lights_off_roads, stranded_boats, wrong_way_vehicles
 from aeroscene.metrics.places.stairs import dead_end_stairs
 from aeroscene.metrics.places.top_view import TopView
@@ -119,6 +120,21 @@ def noisy(measured: Measured, seed: int, rng: np.random.Generator, share: float 
     example = to_example(encoded[seed], vocabulary, statistics)
     x0 = share * example.x0 + rng.normal(size=example.x0.shape)
     return decode(from_example(replace(example, x0=x0), vocabulary, statistics)).scene
+
+
+def test_drawn_extents_are_whole_centimetres_unless_decoding_leaves_them(
+    measured: Measured,
+) -> None:
+    encoded, vocabulary, statistics = measured
+    example = to_example(encoded[1], vocabulary, statistics)
+    x0 = example.x0 + 0.01 * np.random.default_rng(0).normal(size=example.x0.shape)
+    program = from_example(replace(example, x0=x0), vocabulary, statistics)
+    shares: dict[bool, float] = {}
+    for rounds in (True, False):
+        scene = decode(program, cfg=DecodingCfg(rounds=rounds)).scene
+        shares[rounds] = float(np.mean(whole_centimetres(TopView(scene))))
+    assert shares[True] == 1.0
+    assert shares[False] < 0.5
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 import torch
 
+from aeroscene.learning.diffusion.schedule import Schedule
 from aeroscene.learning.generation.loading import SHIPPED
+from aeroscene.learning.paper.contents.model import ContentsModel
 from aeroscene.learning.training.carried import _nearest, carried, read_begun
 from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkpoint
 from aeroscene.learning.training.checkpoint_facts import CheckpointError
 from aeroscene.learning.training.data import prepared
 from aeroscene.learning.training.fitted import fitted
+from aeroscene.learning.training.networks import new_denoiser
 from aeroscene.learning.training.presets import preset_sections
 from aeroscene.learning.training.procedure import CHECKPOINT, Training
 from aeroscene.learning.writer.language import Language
@@ -149,3 +152,23 @@ def test_networks_of_another_size_are_refused_in_a_line(data):
 def test_the_papers_model_is_refused_in_a_line(data):
     with pytest.raises(CheckpointError, match="is of preset 'paper'; valid: 'default'"):
         read_begun(SHIPPED["paper"]).parts_for(data.train.known, small_sections(data))
+    with pytest.raises(CheckpointError, match="is of preset 'default'; valid: 'paper' or 'prog"):
+        read_begun(SHIPPED["default"], "progressive")
+
+
+@pytest.mark.parametrize(
+    ("shipped", "preset"), [("paper", "progressive"), ("progressive", "paper")]
+)
+def test_the_papers_presets_begin_with_each_others_weights(shipped, preset):
+    found = read_checkpoint(SHIPPED[shipped])
+    sections = preset_sections(preset)
+    begun = read_begun(SHIPPED[shipped], preset).parts_for(found.known, sections)
+    assert set(begun) == {"contents", "denoiser"}
+    denoiser = new_denoiser(sections["model"], found.known, Schedule(sections["schedule"]))
+    before = {name: value.clone() for name, value in denoiser.state_dict().items()}
+    denoiser.load_state_dict(dict(begun["denoiser"]))
+    assert any(not torch.equal(v, before[name]) for name, v in denoiser.state_dict().items())
+    ContentsModel(sections["contents"]).load_state_dict(dict(begun["contents"]))
+    wider = {**sections, "model": replace(sections["model"], width=2 * sections["model"].width)}
+    with pytest.raises(CheckpointError, match=r"other sizes than \[model\]"):
+        read_begun(SHIPPED[shipped], preset).parts_for(found.known, wider)

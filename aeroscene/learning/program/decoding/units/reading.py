@@ -18,6 +18,7 @@ from aeroscene.learning.program.encoding.units import pitch_base_m, underside_m
 from aeroscene.learning.program.kinds import AS_LAST_AXES, CATEGORY_IDS, OPENINGS, UnitKind, What
 from aeroscene.learning.program.measures import (
     Surroundings,
+    in_centimetres,
     own_heading_rad,
     reach_of,
     scales,
@@ -54,7 +55,14 @@ LEAST_RISE_M = 0.15
 """Lowest level above the ground that stairs lead up to."""
 
 
-def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | None = None) -> Unit:
+def read_unit(
+    draft: Draft,
+    token: int,
+    bearer: int | None,
+    last_m: Vector3 | None = None,
+    *,
+    rounds: bool = False,
+) -> Unit:
     """Build the unit of a token, on its bearer.
 
     Args:
@@ -62,6 +70,7 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
         token: Place of the unit's token.
         bearer: Id of the object that bears it; None for the ground.
         last_m: Extents of the last unit with the same key, which it may copy; None without one.
+        rounds: True rounds extents to whole centimetres.
     """
     program, box_of = draft.program, draft.box
     kind = program.unit(token)
@@ -81,6 +90,8 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
         yaw_rad,
         is_on_top=kind.is_on_top,
     )
+    if rounds:
+        size_m = in_centimetres(size_m, program.references[token, 1:].tolist())
     if last_m is not None:
         as_last = set(AS_LAST_AXES[kind.as_last])
         if relation.kind == Kind.SIDE and kind.category in STAIRS:
@@ -93,7 +104,7 @@ def read_unit(draft: Draft, token: int, bearer: int | None, last_m: Vector3 | No
     shape = _shape(program, token, relation.kind)
     n_members = len(shape.array().cells(relation.kind)) if kind.is_group else 1
     own_m = base_m - _low_m(around.bearer)
-    made = _members(program, token, members, size_m, own_m, n_members)
+    made = _members(program, token, members, size_m, own_m, n_members, rounds=rounds)
     halves_m = [foot_m(member.category_id, member.size_m) for member in made]
     host_outline = draft.outline(host)
     array = None
@@ -214,6 +225,8 @@ def _members(
     size_m: Vector3,
     rise_m: float,
     n_members: int,
+    *,
+    rounds: bool,
 ) -> list[Member]:
     """Return the members of a unit: all alike, or by their own tokens."""
     plain = Member(
@@ -236,7 +249,10 @@ def _members(
         )
         residual = Residual(float(c[U]), float(c[V]), math.atan2(c[SIN], c[COS]))
         own_m = rise_m + float(c[RISE])
-        found.append(replace(plain, size_m=(x_m, y_m, z_m), rise_m=own_m, residual=residual))
+        own_size_m = x_m, y_m, z_m
+        if rounds:
+            own_size_m = in_centimetres(own_size_m, (0, 0, 0))
+        found.append(replace(plain, size_m=own_size_m, rise_m=own_m, residual=residual))
     return found
 
 
