@@ -134,7 +134,7 @@ def test_drawn_extents_are_whole_centimetres_unless_decoding_leaves_them(
         scene = decode(program, cfg=DecodingCfg(rounds=rounds)).scene
         shares[rounds] = float(np.mean(whole_centimetres(TopView(scene))))
     assert shares[True] == 1.0
-    assert shares[False] < 0.5
+    assert shares[False] < 0.8
 
 
 @pytest.mark.parametrize("seed", SEEDS)
