@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from aeroscene.files import cache_folder
-from autonomy.kept_code import cache_root
+from autonomy.kernel_cache import cache_root
 
 ROOT = Path(__file__).parents[2]
 KERNELS = """
@@ -130,7 +130,7 @@ def _double():
     ],
 )
 def test_one_rule_names_the_folder_for_everything(monkeypatch, environment, expected):
-    """`aeroscene.files` has the rule too, because `autonomy.kept_code` loads numba."""
+    """`aeroscene.files` has the rule too, because `autonomy.kernel_cache` loads numba."""
     for name in ("AEROSCENE_CACHE", "AEROSCENE_CACHE_DIR", "XDG_CACHE_HOME"):
         monkeypatch.delenv(name, raising=False)
     for name, value in environment.items():
