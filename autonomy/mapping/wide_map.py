@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.mapping.coarse_way import SEARCH_EXCESS, coarse_way
+from autonomy.mapping.coarse_path import SEARCH_EXCESS, coarse_way
 from autonomy.mapping.map import GivenObstacles
 from autonomy.planning.craft import Craft
 from autonomy.planning.errors import UnreachableError

@@ -19,7 +19,7 @@ from aeroscene.solids.freespace import NoFreeSpaceError
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.wide_field import is_wide
 from autonomy.mapping import WideMap
-from autonomy.mapping.coarse_way import SEARCH_EXCESS
+from autonomy.mapping.coarse_path import SEARCH_EXCESS
 from autonomy.mapping.wide_map import FAR_M
 from autonomy.planning import DistanceField, Obstacles, PlanningError
 from autonomy.planning.corridor import straighten

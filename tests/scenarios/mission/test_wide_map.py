@@ -8,7 +8,7 @@ import pytest
 from aeroscene.solids import field_cache, wide_field
 from aeroscene.sources import load_scene
 from autonomy.mapping import GivenMap, WideMap
-from autonomy.mapping.coarse_way import coarse_way
+from autonomy.mapping.coarse_path import coarse_way
 from autonomy.planning import PlanningError
 from flightsim.vehicles import airframe_by_name
 from scenarios.mission.goals import fitting_areas, is_indoor
