@@ -26,7 +26,7 @@ from autonomy.pages import untouched_zeros
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
 from autonomy.planning.grid import Cell, Grid, empty_grid_distance, way_back
-from autonomy.planning.widest import narrowest_place
+from autonomy.planning.widest_path import narrowest_place
 
 NARROWNESS_PRICE = 4.0
 _MET, _DONE = 1, 2  # states of a cell: reached, and expanded for good

@@ -48,7 +48,7 @@ PILOT_MODULES = (
     "autonomy.planning.feasibility",
     "autonomy.planning.search",
     "autonomy.planning.solids",
-    "autonomy.planning.widest",
+    "autonomy.planning.widest_path",
 )
 """Modules with kernels that only our own pilot uses."""
 EXPLORING_MODULES = (

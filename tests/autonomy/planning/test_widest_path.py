@@ -7,7 +7,7 @@ from scipy import ndimage
 
 from autonomy.planning import DistanceField
 from autonomy.planning.search import SeenRoom, search_grid
-from autonomy.planning.widest import narrowest_place, widest_way
+from autonomy.planning.widest_path import narrowest_place, widest_way
 from tests.autonomy.planning_worlds import seeds
 
 LEAST, ENOUGH = 0.25, 2.0
