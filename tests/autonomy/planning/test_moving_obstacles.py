@@ -21,7 +21,7 @@ from autonomy.planning import (
     prepare,
     replan,
 )
-from autonomy.planning.moving import distance_to_movers
+from autonomy.planning.moving_obstacles import distance_to_movers
 from autonomy.planning.program import build
 from autonomy.types import FlatReference
 from tests.autonomy.planning_worlds import (
