@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from aeroscene.layouts import LayoutError, kept
+from aeroscene.layouts import LayoutError, scene_cache
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.kept import count_layouts, mapped_scenes
 from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.scene_cache import count_layouts, mapped_scenes
 from tests.aeroscene.layouts.samples import block, house
 
 
@@ -29,8 +29,8 @@ def file(tmp_path):
 def mapping(monkeypatch):
     """How often something is mapped."""
     calls = []
-    real = kept._mapped
-    monkeypatch.setattr(kept, "_mapped", lambda *args: calls.append(args) or real(*args))
+    real = scene_cache._mapped
+    monkeypatch.setattr(scene_cache, "_mapped", lambda *args: calls.append(args) or real(*args))
     return calls
 
 
@@ -61,13 +61,13 @@ def test_another_file_or_other_sources_are_mapped_anew(file, mapping, monkeypatc
     mapped_scenes(file)
     assert len(mapping) == 2
     file.write_text(text)
-    monkeypatch.setattr(kept, "_code", lambda: b"other")
+    monkeypatch.setattr(scene_cache, "_code", lambda: b"other")
     mapped_scenes(file)
     assert len(mapping) == 3
 
 
 def test_only_the_last_files_are_kept(file, cache, monkeypatch):
-    monkeypatch.setattr(kept, "MOST_KEPT", 2)
+    monkeypatch.setattr(scene_cache, "MOST_KEPT", 2)
     for name in ("Candle", "Vase", "Chair"):
         file.write_text(json.dumps(house()).replace("FloorLamp", name))
         mapped_scenes(file)
