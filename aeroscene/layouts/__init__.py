@@ -7,7 +7,7 @@ start. Importing this package loads numpy at most; building a scene loads shapel
 
 from aeroscene.layouts.document import LayoutError, LayoutObject, LayoutRoom, NeutralLayout
 from aeroscene.layouts.mapping import MappingReport
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.neutral_format import read_neutral
 from aeroscene.layouts.reader import pick_layout, read_layout, read_layouts
 
 __all__ = [

@@ -11,7 +11,7 @@ from aeroscene.layouts.aeroscene_json import aeroscene_layout
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.front3d import front3d_layout, house_value, read_model_info
 from aeroscene.layouts.mapping import MappingReport
-from aeroscene.layouts.neutral import neutral_layout, read_each, read_neutral
+from aeroscene.layouts.neutral_format import neutral_layout, read_each, read_neutral
 from aeroscene.layouts.text_file import parse_json, read_bytes, source_name
 from aeroscene.layouts.thor import KEYS, read_asset_sizes, thor_layout
 from aeroscene.scene import Scene

@@ -17,7 +17,7 @@ from functools import cache
 from pathlib import Path
 
 from aeroscene.files import cache_folder, open_regular, replacing
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.neutral_format import read_neutral
 from aeroscene.layouts.text_file import text_lines
 from aeroscene.scene import Scene
 from aeroscene.scene.io import scene_from_json, scene_to_json

@@ -14,7 +14,7 @@ from typing import Literal
 
 from aeroscene.corpus.dataset import open_dataset
 from aeroscene.layouts.mapping import match, unknown_category
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.neutral_format import read_neutral
 from aeroscene.layouts.scene_cache import count_layouts, mapped_scenes
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene import Scene, SceneError

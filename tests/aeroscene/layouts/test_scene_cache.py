@@ -6,7 +6,7 @@ import pytest
 
 from aeroscene.layouts import LayoutError, scene_cache
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.layouts.scene_cache import count_layouts, mapped_scenes
 from tests.aeroscene.layouts.samples import block, house
 

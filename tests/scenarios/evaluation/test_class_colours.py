@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.scene import Scene
 from scenarios.cli.main import main
 from scenarios.evaluation.class_colours import HALF_M, ClassPictures
