@@ -8,7 +8,7 @@ import pytest
 
 from aeroscene.maps import osm_data
 from aeroscene.maps.document import MapError
-from aeroscene.maps.reading import read_map
+from aeroscene.maps.reader import read_map
 from aeroscene.scene import SceneError
 from tests.aeroscene.maps.samples import OsmFile, bounds_text, degrees, town
 
@@ -62,7 +62,7 @@ def test_more_nodes_and_references_than_the_bounds_are_refused(tmp_path, monkeyp
 def test_a_gzip_bomb_is_refused_at_its_bound(tmp_path, monkeypatch):
     path = tmp_path / "map.osm.gz"
     path.write_bytes(gzip.compress(b"<osm>" + b" " * (4 << 20) + b"</osm>"))
-    monkeypatch.setattr("aeroscene.maps.reading.MOST_OSM_BYTES", 1 << 20)
+    monkeypatch.setattr("aeroscene.maps.reader.MOST_OSM_BYTES", 1 << 20)
     with pytest.raises(MapError, match="holds more than 1 MiB"):
         read_map(path, bounds_text())
 
