@@ -21,7 +21,7 @@ from jaxtyping import Float
 from scipy.ndimage import distance_transform_edt, gaussian_filter
 
 from aeroscene.landform.flats import level_ground
-from aeroscene.landform.manner import LAND_MANNERS, LandManner
+from aeroscene.landform.land_style import LAND_MANNERS, LandManner
 from aeroscene.landform.standing import on_relief
 from aeroscene.scene import Relief, Scene
 

@@ -11,7 +11,7 @@ import shapely
 from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.corpus.curation import curate_layout, curate_scene
 from aeroscene.landform import raise_relief, standing_points
-from aeroscene.landform.manner import LAND_MANNERS
+from aeroscene.landform.land_style import LAND_MANNERS
 from aeroscene.landform.raising import MOST_GRADIENT
 from aeroscene.neighbourhood import MANNERS, RING_M, neighbours_of
 from aeroscene.neighbourhood.streets import streets_around
