@@ -12,7 +12,7 @@ from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.corpus.curation import curate_layout, curate_scene
 from aeroscene.landform import raise_relief, standing_points
 from aeroscene.landform.land_style import LAND_MANNERS
-from aeroscene.landform.raising import MOST_GRADIENT
+from aeroscene.landform.relief import MOST_GRADIENT
 from aeroscene.neighbourhood import MANNERS, RING_M, neighbours_of
 from aeroscene.neighbourhood.streets import streets_around
 from aeroscene.scene.catalogue import COVERS, LAWNS, LEAFY
