@@ -22,7 +22,7 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter
 
 from aeroscene.landform.flats import level_ground
 from aeroscene.landform.land_style import LAND_MANNERS, LandManner
-from aeroscene.landform.standing import on_relief
+from aeroscene.landform.objects import on_relief
 from aeroscene.scene import Relief, Scene
 
 SPACING_M = 2.0
