@@ -20,8 +20,8 @@ import shapely
 from jaxtyping import Float
 from scipy.ndimage import distance_transform_edt, gaussian_filter
 
-from aeroscene.landform.flats import level_ground
 from aeroscene.landform.land_style import LAND_MANNERS, LandManner
+from aeroscene.landform.level_areas import level_ground
 from aeroscene.landform.objects import on_relief
 from aeroscene.scene import Relief, Scene
 
