@@ -18,9 +18,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from aeroscene.neighbourhood import shapes
-from aeroscene.neighbourhood.manner import LEAVES, MANNERS, Manner
 from aeroscene.neighbourhood.plots import Place, Plot
 from aeroscene.neighbourhood.streets import Street, streets_around
+from aeroscene.neighbourhood.style import LEAVES, MANNERS, Manner
 from aeroscene.scene import Scene, Vector3
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.shapes.primitive import Part
