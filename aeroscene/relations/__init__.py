@@ -6,7 +6,7 @@ puts the boxes back exactly.
 """
 
 from aeroscene.relations.parsing.reading import scene_relations
-from aeroscene.relations.placing import place
+from aeroscene.relations.placement import place
 from aeroscene.relations.relation import Align, Array, Gap, Kind, Member, Relation, Residual, Unit
 
 __all__ = [

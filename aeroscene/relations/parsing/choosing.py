@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from aeroscene.relations.hosts import Standing, is_furniture, level_m
 from aeroscene.relations.parsing import fits
-from aeroscene.relations.placing import foot_m
+from aeroscene.relations.placement import foot_m
 from aeroscene.relations.plane import WORLD, Rectangle, footprint
 from aeroscene.relations.relation import HEADED, Kind, Relation
 from aeroscene.scene import Scene, SceneObject

@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-from aeroscene.relations.placing import gap_middle_m
+from aeroscene.relations.placement import gap_middle_m
 from aeroscene.relations.plane import Rectangle, nearest_quadrant, turned_reach_m
 from aeroscene.relations.relation import (
     ANY_TURN,

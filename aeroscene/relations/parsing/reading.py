@@ -10,7 +10,7 @@ from aeroscene.relations.hosts import N_TURNS, Standing, turn_of
 from aeroscene.relations.parsing.choosing import Ground, best_relation
 from aeroscene.relations.parsing.rows import find_lattices
 from aeroscene.relations.parsing.seating import find_seats
-from aeroscene.relations.placing import array_half_m, cell_places, levels_m, residual_of
+from aeroscene.relations.placement import array_half_m, cell_places, levels_m, residual_of
 from aeroscene.relations.plane import Rectangle
 from aeroscene.relations.relation import Array, Kind, Member, Relation, Residual, Unit
 from aeroscene.scene import OrientedBox, Scene, SceneObject
@@ -36,7 +36,7 @@ def scene_relations(
     Coarse objects come first, then stairs, then fine ones. Parents come before the objects on them.
     Of the objects on one parent the larger come first and chairs last, so that a host always comes
     before the objects that refer to it. Only boxes, categories and parents are read.
-    `aeroscene.relations.placing.place` gives the boxes back.
+    `aeroscene.relations.placement.place` gives the boxes back.
 
     Args:
         scene: Any scene.

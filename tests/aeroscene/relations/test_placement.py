@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aeroscene.relations import Align, Gap, Kind, Relation, Residual, place, scene_relations
-from aeroscene.relations.placing import locate, residual_of
+from aeroscene.relations.placement import locate, residual_of
 from aeroscene.relations.plane import Place, Rectangle, hull
 from tests.aeroscene.metrics.scenes import scene_of
 from tests.aeroscene.relations.rooms import ROOM, office, on_floor
