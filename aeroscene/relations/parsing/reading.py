@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from aeroscene.relations.hosts import N_TURNS, Standing, turn_of
-from aeroscene.relations.parsing.choosing import Ground, best_relation
+from aeroscene.relations.parsing.priority import Ground, best_relation
 from aeroscene.relations.parsing.rows import find_lattices
 from aeroscene.relations.parsing.seating import find_seats
 from aeroscene.relations.placement import array_half_m, cell_places, levels_m, residual_of
