@@ -17,7 +17,7 @@ from pathlib import Path
 import shapely
 
 from aeroscene.areas.needs import AreaLimits
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reachability import FIELD_CAP_M
 from aeroscene.areas.start import NO_START, Ground, with_start
 from aeroscene.files.names import file_name
 from aeroscene.files.visible import visible
