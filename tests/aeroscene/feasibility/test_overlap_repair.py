@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aeroscene.feasibility.layout import layout_of
-from aeroscene.feasibility.settling import settle
+from aeroscene.feasibility.overlap_repair import settle
 from aeroscene.feasibility.stages import _nothing
 from tests.aeroscene.feasibility.scenes import BENCH, LAWN, garden, row_of, thing
 
