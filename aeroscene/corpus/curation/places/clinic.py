@@ -8,7 +8,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
@@ -17,6 +16,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     furnish_flat_roof,
     roof_top,
 )
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
@@ -25,6 +24,7 @@ from aeroscene.corpus.curation.places.rooftops import (
 )
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import picnic
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 

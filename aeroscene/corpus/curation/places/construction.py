@@ -8,7 +8,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.boundary import enclose
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
@@ -21,6 +20,7 @@ from aeroscene.corpus.curation.places.goods import (
 )
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 
 _WALL_M = (0.25, 2.9)

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, Platform, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import line_way, park, rack_bicycles
@@ -17,6 +16,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     furnish_roof_deck,
     lay_roof_deck,
 )
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 

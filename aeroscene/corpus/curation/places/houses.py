@@ -9,7 +9,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
@@ -21,6 +20,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     add_pitched_roof,
 )
 from aeroscene.corpus.curation.places.seating import dine
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS

@@ -9,12 +9,12 @@ from math import pi
 from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import boxes_on, crate_stack, paint
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.seating import dine
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
 from aeroscene.corpus.curation.places.turns import in_turn
 
 _STALL_M = (2.6, 3.2, 2.7)

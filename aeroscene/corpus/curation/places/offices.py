@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import line_way, park, rack_bicycles
@@ -18,6 +17,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     lay_roof_deck,
 )
 from aeroscene.corpus.curation.places.seating import dine
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS

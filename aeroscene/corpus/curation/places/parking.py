@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
 from aeroscene.corpus.curation.places.bays import TWO_ROWS_M, BayField, paint_bays
-from aeroscene.corpus.curation.places.bearing import Bearing, OpenGround, Platform, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
 from aeroscene.corpus.curation.places.seating import picnic
+from aeroscene.corpus.curation.places.support_surfaces import Bearing, OpenGround, Platform, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 

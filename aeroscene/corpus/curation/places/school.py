@@ -8,7 +8,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
@@ -19,6 +18,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     furnish_flat_roof,
 )
 from aeroscene.corpus.curation.places.seating import picnic
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS

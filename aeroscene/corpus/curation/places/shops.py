@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import boxes_on, crate_stack, paint, range_goods
 from aeroscene.corpus.curation.places.ground import Ground
@@ -20,6 +19,7 @@ from aeroscene.corpus.curation.places.rooftops import (
 )
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import dine
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
 from aeroscene.corpus.curation.places.turns import in_turn
 
 _FRONTS = Fronts(width_m=9.5, least_m=7.0, storeys=(1, 3), storey_m=3.6, forms=("plain", "podium"))

@@ -8,7 +8,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.boundary import enclose
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
@@ -20,6 +19,7 @@ from aeroscene.corpus.curation.places.goods import (
 )
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.turns import in_turn
 
 _PITCH_M = 3.0
