@@ -9,7 +9,7 @@ from math import pi, sin
 from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD, Frame
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.site import Road, Site
 from aeroscene.corpus.curation.traffic import call_bus, drive, park, wait
 

@@ -21,8 +21,8 @@ from aeroscene.corpus.curation.indoor.walls import insets
 from aeroscene.corpus.curation.indoor.zones import choose_doors, find_borders
 from aeroscene.corpus.curation.places.furnished import furnish
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.room_space import RoomSpace
 from aeroscene.corpus.curation.shells import STOREY_M
 from aeroscene.corpus.curation.storeys import plan_storey

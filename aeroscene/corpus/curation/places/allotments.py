@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.seating import set_table
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround
-from aeroscene.corpus.curation.places.turns import in_turn
 
 _PLOT_M = 7.6
 """Typical width of one garden."""

@@ -10,6 +10,7 @@ from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     add_flat_roof,
@@ -17,7 +18,6 @@ from aeroscene.corpus.curation.places.rooftops import (
     roof_top,
 )
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _WING_M = (7.5, 9.0)

@@ -20,9 +20,9 @@ from aeroscene.corpus.curation.places.goods import (
     set_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
 
 _DOCK_M = (2.4, 1.0)

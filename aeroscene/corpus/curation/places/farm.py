@@ -11,10 +11,10 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint, pallet_row
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.rooftops import add_chimney, add_pitched_roof
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _HOUSE_M = (7.6, 10.0, 5.8)

@@ -9,6 +9,7 @@ from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import line_way, park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     add_flat_roof,
@@ -17,7 +18,6 @@ from aeroscene.corpus.curation.places.rooftops import (
     lay_roof_deck,
 )
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _STOREY_M = 3.2

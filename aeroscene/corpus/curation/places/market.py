@@ -12,10 +12,10 @@ from aeroscene.corpus.curation.frame import QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import boxes_on, crate_stack, paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
-from aeroscene.corpus.curation.places.turns import in_turn
 
 _STALL_M = (2.6, 3.2, 2.7)
 _PITCH_M = 4.6

@@ -11,10 +11,10 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import line_way
 from aeroscene.corpus.curation.places.seating import dine, picnic
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.scene import Vector3
 
 _PATH_M = (2.2, 0.05)

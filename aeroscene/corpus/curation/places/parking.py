@@ -10,11 +10,11 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER
 from aeroscene.corpus.curation.places.bays import TWO_ROWS_M, BayField, paint_bays
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
 from aeroscene.corpus.curation.places.seating import picnic
 from aeroscene.corpus.curation.places.support_surfaces import Bearing, OpenGround, Platform, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _BACK_M = {"level": 11.0, "shop": 8.5, "bays": 7.0, "green": 2.2}

@@ -11,10 +11,10 @@ from aeroscene.corpus.curation.places.bays import TWO_ROWS_M, BayField, paint_ba
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint, pallet_row
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
-from aeroscene.corpus.curation.places.turns import in_turn
 
 _HALL_DEEP_M = (11.0, 17.0)
 _ENTRANCE_M = (3.0, 6.0, 3.2)

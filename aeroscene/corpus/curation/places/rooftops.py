@@ -9,9 +9,9 @@ from math import sin
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.support_surfaces import Platform
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.solids.shapes.roofs import ROOF_SLAB_M
 
 PARAPET_RISE_M = 0.45

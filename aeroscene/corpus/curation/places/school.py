@@ -11,6 +11,7 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     add_flat_roof,
@@ -19,7 +20,6 @@ from aeroscene.corpus.curation.places.rooftops import (
 )
 from aeroscene.corpus.curation.places.seating import picnic
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 

@@ -10,6 +10,7 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import boxes_on, crate_stack, paint, range_goods
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     TILES,
@@ -20,7 +21,6 @@ from aeroscene.corpus.curation.places.rooftops import (
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
-from aeroscene.corpus.curation.places.turns import in_turn
 
 _FRONTS = Fronts(width_m=9.5, least_m=7.0, storeys=(1, 3), storey_m=3.6, forms=("plain", "podium"))
 _DEEP_M = (10.0, 12.5)

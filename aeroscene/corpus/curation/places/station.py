@@ -10,9 +10,9 @@ from aeroscene.corpus.curation.frame import QUARTER
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 
 _PLATFORM_M = (3.4, 0.16)
 """Width and height of a platform."""

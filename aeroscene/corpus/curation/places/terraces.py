@@ -10,11 +10,11 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import crate_stack
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import line_way
 from aeroscene.corpus.curation.places.rooftops import add_chimney, add_pitched_roof
 from aeroscene.corpus.curation.places.seating import dine, picnic
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 

@@ -17,10 +17,10 @@ from aeroscene.corpus.curation.places.goods import (
     stack_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
-from aeroscene.corpus.curation.places.turns import in_turn
 
 _QUAY_M = 0.25
 """Height of the quay above the ground."""
