@@ -19,7 +19,7 @@ from aeroscene.corpus.curation.indoor.room_shell import lay_room
 from aeroscene.corpus.curation.indoor.themes import FINISHES
 from aeroscene.corpus.curation.indoor.walls import insets
 from aeroscene.corpus.curation.indoor.zones import choose_doors, find_borders
-from aeroscene.corpus.curation.places.furnished import furnish
+from aeroscene.corpus.curation.places.furnished_buildings import furnish
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof

@@ -10,7 +10,7 @@ from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.boundary import enclose
 from aeroscene.corpus.curation.places.filling import fill_up
-from aeroscene.corpus.curation.places.furnished import furnish, raise_hall
+from aeroscene.corpus.curation.places.furnished_buildings import furnish, raise_hall
 from aeroscene.corpus.curation.places.goods import (
     crate_stack,
     paint,

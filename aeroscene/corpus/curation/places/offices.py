@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
-from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
+from aeroscene.corpus.curation.places.furnished_buildings import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import line_way, park, rack_bicycles

@@ -9,7 +9,7 @@ from math import pi
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
-from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
+from aeroscene.corpus.curation.places.furnished_buildings import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.interleaving import in_turn
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
