@@ -16,7 +16,7 @@ from aeroscene.scene.outline import outline_in_box
 from aeroscene.solids.shapes.convex import Point2, Ring, convex_pieces
 from aeroscene.solids.shapes.look import Look
 from aeroscene.solids.shapes.materials import FACADE_BAY_M, WALL_COLOURS
-from aeroscene.solids.shapes.outlined_roofs import outlined_roof
+from aeroscene.solids.shapes.outline_roofs import outlined_roof
 from aeroscene.solids.shapes.primitive import Interval, Part, block, hull
 
 if TYPE_CHECKING:
