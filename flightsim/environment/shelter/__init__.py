@@ -1,6 +1,6 @@
 """Wind among buildings and over hills: less in their lee, more at corners and over crests."""
 
-from flightsim.environment.shelter.kept import kept_shelter
+from flightsim.environment.shelter.cache import kept_shelter
 from flightsim.environment.shelter.shelter import (
     Grid,
     blocks_of,
