@@ -17,7 +17,7 @@ from flightsim.autopilot.events import MissionItemReached, PayloadOrder, Severit
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.faults import Faults
-from flightsim.mavlink.ignored import IgnoredMessages, reason_for
+from flightsim.mavlink.ignored_messages import IgnoredMessages, reason_for
 from flightsim.mavlink.links import Link
 from flightsim.mavlink.lockstep import Lockstep
 from flightsim.mavlink.parsing import Message

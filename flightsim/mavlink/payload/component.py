@@ -9,7 +9,7 @@ from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS, layout
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.faults import Faults
-from flightsim.mavlink.ignored import reason_for
+from flightsim.mavlink.ignored_messages import reason_for
 from flightsim.mavlink.message_commands import MessageCommands
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners

@@ -6,7 +6,7 @@ import pytest
 
 from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
-from flightsim.mavlink.ignored import _REASONS
+from flightsim.mavlink.ignored_messages import _REASONS
 from flightsim.payload import PayloadCfg
 from tests.flightsim.mavlink.conftest import Flight
 from tests.flightsim.mavlink.test_personalities import copter
