@@ -18,7 +18,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import Fix, FixSource
+from flightsim.plant.external_aids import Fix, FixSource
 
 _SILENCE_US = 2_000_000  # silence after which the client's fixes count as lost
 _FARTHEST_M, _FASTEST_MPS = 1e5, 200.0

@@ -18,7 +18,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import Pose, PoseUse
+from flightsim.plant.external_aids import Pose, PoseUse
 
 _SILENCE_US = 1_000_000  # silence after which poses count as lost
 _FARTHEST_M, _FASTEST_MPS = 1e5, 200.0

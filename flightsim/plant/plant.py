@@ -20,11 +20,11 @@ from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.checks import check_worlds, normalised, unaligned
 from flightsim.plant.compiling import compile_kernels
+from flightsim.plant.external_aids import OutsideAids
 from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, new_memories
-from flightsim.plant.outside import OutsideAids
 from flightsim.plant.readings import EstimatorStatus, estimator_status
 from flightsim.plant.record import with_rotors
 from flightsim.plant.relocation import relocate

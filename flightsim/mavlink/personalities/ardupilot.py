@@ -13,7 +13,7 @@ from flightsim.mavlink.personalities.copter_parameters import ALIASES, SETTINGS,
 from flightsim.mavlink.personalities.personality import ModeEntry, Personality
 from flightsim.mavlink.telemetry_sensors import imu_fields
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import FixSource
+from flightsim.plant.external_aids import FixSource
 
 _EKF_STATUS_REPORT = layout("EKF_STATUS_REPORT")
 _RANGEFINDER = layout("RANGEFINDER")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import FixSource
+from flightsim.plant.external_aids import FixSource
 
 ExtraTelemetry = Callable[[VehicleView], Mapping[str, Callable[[], bytes | None]]]
 """Makes the producers of the messages that only one flight stack sends, by message name."""
