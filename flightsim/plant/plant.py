@@ -19,7 +19,7 @@ from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.checks import check_worlds, normalised, unaligned
-from flightsim.plant.compiling import compile_kernels
+from flightsim.plant.compilation import compile_kernels
 from flightsim.plant.external_aids import OutsideAids
 from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
