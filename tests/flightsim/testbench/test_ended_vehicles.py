@@ -4,7 +4,7 @@ import gc
 import weakref
 
 from flightsim.testbench import Testbench, TestbenchCfg
-from flightsim.testbench.remains import MOST_WAITING
+from flightsim.testbench.ended_vehicles import MOST_WAITING
 from tests.flightsim.handmade import empty_scene
 
 
