@@ -35,7 +35,7 @@ from flightsim.looks.movers import MoverSet
 from flightsim.looks.surfaces import Detail
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import part_name, vehicle_name
-from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
+from flightsim.vehicles.contact_filter import let_touch_each_other, let_touch_movers
 from flightsim.world.geometry import SurfaceProbe, add_solids
 from flightsim.world.ground import add_ground, add_ground_beyond
 from flightsim.world.rays import RayTree
