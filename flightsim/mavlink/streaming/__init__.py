@@ -5,6 +5,7 @@ simulated second, and a campaign runs many times faster than real time, so the f
 filled, packed and framed by a kernel. Python packs the rest.
 """
 
+from flightsim.mavlink.streaming.inputs import Told
 from flightsim.mavlink.streaming.kernel import TICK_US, compile_streaming, mark_due
 from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES
 from flightsim.mavlink.streaming.record import (
@@ -16,7 +17,6 @@ from flightsim.mavlink.streaming.record import (
     WAITS,
 )
 from flightsim.mavlink.streaming.streamer import Streamed, Streamer
-from flightsim.mavlink.streaming.told import Told
 
 __all__ = [
     "FRAMED",

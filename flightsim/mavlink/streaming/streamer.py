@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from flightsim.mavlink.dialect import Layout
+from flightsim.mavlink.streaming.inputs import Told
 from flightsim.mavlink.streaming.kernel import compile_streaming, stream
 from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES
 from flightsim.mavlink.streaming.record import (
@@ -16,7 +17,6 @@ from flightsim.mavlink.streaming.record import (
     message_rows,
     value_types,
 )
-from flightsim.mavlink.streaming.told import Told
 
 _ANY = -1
 # The first fields of a partner are read and written as plain integers: numpy's records are slow.
