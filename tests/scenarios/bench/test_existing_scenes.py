@@ -7,7 +7,7 @@ import pytest
 
 from aeroscene.scene.io import write_scene
 from scenarios.bench.configs import GenerateBenchCfg
-from scenarios.bench.made import rows
+from scenarios.bench.existing_scenes import rows
 from scenarios.cli.main import main
 from tests.aeroscene.conftest import SAMPLE, cached_scene
 from tests.scenarios.small_corpus import write_corpus
