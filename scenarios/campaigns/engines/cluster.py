@@ -14,8 +14,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from aeroscene import __version__
-from scenarios.campaigns.engines.at_work import begin_work
 from scenarios.campaigns.engines.crew import GoneError, WorkerError
+from scenarios.campaigns.engines.worker_setup import begin_work
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
 
 _SETTINGS = {

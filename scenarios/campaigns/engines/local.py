@@ -17,8 +17,8 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from aeroscene.processes import become, fresh_processes, without_interrupts
-from scenarios.campaigns.engines.at_work import begin_work
 from scenarios.campaigns.engines.crew import GoneError, WorkerError
+from scenarios.campaigns.engines.worker_setup import begin_work
 from scenarios.campaigns.external.program import end_program
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
 
