@@ -2,7 +2,7 @@
 
 import pytest
 
-from scenarios.cli.repeated import gathered
+from scenarios.cli.repeated_options import gathered
 
 
 @pytest.mark.parametrize(
