@@ -20,7 +20,7 @@ from aeroscene.ranges import Range
 from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.campaign_limits import MOST_TRIALS, MOST_WORKERS
-from scenarios.cli.campaign_news import CampaignNews
+from scenarios.cli.campaign_progress import CampaignNews
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_NEGATIVE,

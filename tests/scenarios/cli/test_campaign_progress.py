@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from scenarios.cli import campaign
-from scenarios.cli.campaign_news import CampaignNews
+from scenarios.cli.campaign_progress import CampaignNews
 
 AGAIN = "aeroscene fly --out 'a b' --scene 7 --vehicle iris --trial 2"
 
