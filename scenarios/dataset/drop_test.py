@@ -24,7 +24,7 @@ from aeroscene.processes import run_all
 from aeroscene.scene import InteractionArea
 
 if TYPE_CHECKING:
-    from scenarios.dataset.falling import Fall
+    from scenarios.dataset.falling_vehicle import Fall
 
 VEHICLE = "iris"
 TILT_MARGIN_RAD = math.radians(2.0)
@@ -134,7 +134,7 @@ def _drop_in_scene(reader: SceneSet[Entry], task: _Task[Entry]) -> list[Drop]:
     # Import MuJoCo only in processes that drop.
     from flightsim.vehicles.catalogue import airframe_by_name
     from flightsim.world import WorldError
-    from scenarios.dataset.falling import FallingVehicle
+    from scenarios.dataset.falling_vehicle import FallingVehicle
 
     scene = reader.read(task.entry)
     try:

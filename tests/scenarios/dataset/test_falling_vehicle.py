@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from flightsim.vehicles.catalogue import airframe_by_name
-from scenarios.dataset.falling import FallingVehicle
+from scenarios.dataset.falling_vehicle import FallingVehicle
 from tests.scenarios.landing_scenes import ON_CONTAINER, ON_LAWN, yard
 
 
