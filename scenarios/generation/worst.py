@@ -22,7 +22,7 @@ from aeroscene.files.names import file_name
 from aeroscene.scene import Scene
 from aeroscene.scene.io import read_scene, write_scene
 from scenarios.baselines.named import NamedPilot
-from scenarios.generation.asked import GenerateError
+from scenarios.generation.text_options import GenerateError
 
 ORDER = (
     "failed first, then by the sum of ranks in touchdown_error_m, sim_seconds, least_clearance_m"
