@@ -8,7 +8,7 @@ import pytest
 from aeroscene.corpus.shipped import read_shipped
 from aeroscene.learning.generation import AreaCounts, Request
 from scenarios.cli.generate_words import _missed, _print_wishes
-from scenarios.generation.got import Got, beside_wishes, unmet, with_measures
+from scenarios.generation.wish_outcomes import Got, beside_wishes, unmet, with_measures
 
 
 @pytest.fixture(scope="module")
