@@ -29,7 +29,7 @@ from scenarios.generation.text_options import (
     asked_region,
     outline_sides_m,
 )
-from scenarios.generation.worst import ORDER, Flight, Tries, worst_first
+from scenarios.generation.worst_scenes import ORDER, Flight, Tries, worst_first
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generator, Request

@@ -199,7 +199,7 @@ class Evaluation:
 
     def _fly(self, drawer: Drawer, draws: Sequence[Draw], tell: OnProgress) -> None:
         from scenarios.baselines.named import pilot_of
-        from scenarios.generation.worst import fly
+        from scenarios.generation.worst_scenes import fly
 
         for number, draw in enumerate(draws):
             if self._wants_stop():

@@ -11,7 +11,7 @@ from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios import Verdict
 from scenarios.baselines.named import NamedPilot
 from scenarios.generation.text_options import GenerateError, asked_areas
-from scenarios.generation.worst import Flight, Tries, fly, worst_first
+from scenarios.generation.worst_scenes import Flight, Tries, fly, worst_first
 from scenarios.mission.clearance import flown_clearance_m
 from scenarios.mission.surroundings import sphere_radius_m
 from tests.scenarios.landing_scenes import field, yard
