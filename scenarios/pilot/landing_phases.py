@@ -13,7 +13,7 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
-from scenarios.pilot.eyes import NoDepthError
+from scenarios.pilot.depth_frames import NoDepthError
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 from scenarios.pilot.last_stretch import (

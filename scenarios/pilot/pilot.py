@@ -23,8 +23,8 @@ from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import MavlinkClient
 from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
+from scenarios.pilot.depth_frames import Frames
 from scenarios.pilot.en_route_phases import EnRoutePhases
-from scenarios.pilot.eyes import Frames
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground_phases import GroundPhases

@@ -30,7 +30,7 @@ from flightsim.plant.rays import RAYS_DTYPE, cast_rays
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.mission.mission import Mission, plan_mission
 from scenarios.mission.surroundings import MapSource
-from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.depth_frames import camera_mount, posed_image
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 
 PILOT_MODULES = (

@@ -18,7 +18,7 @@ from scenarios.run.cfg import SitlCfg
 if TYPE_CHECKING:
     from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
-    from scenarios.pilot.eyes import Frames
+    from scenarios.pilot.depth_frames import Frames
     from scenarios.words.drawing import WordGoal
 
 _APART_M = 4.0

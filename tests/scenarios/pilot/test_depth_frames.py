@@ -8,7 +8,7 @@ import pytest
 
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.vehicles.catalogue import AIRFRAMES
-from scenarios.pilot.eyes import NoDepthError, camera_mount, may_show, posed_image
+from scenarios.pilot.depth_frames import NoDepthError, camera_mount, may_show, posed_image
 
 
 @dataclasses.dataclass
