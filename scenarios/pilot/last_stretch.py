@@ -14,8 +14,8 @@ from autonomy.planning import PlanningError
 from autonomy.types import Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.flight_state import FlightState
-from scenarios.pilot.following import Following
 from scenarios.pilot.phases import Phase, Step
+from scenarios.pilot.tracking_statistics import Following
 
 _LOG = logging.getLogger(__name__)
 

@@ -9,13 +9,6 @@ from autonomy.planning import FlightLimits, plan_leg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.pilot import Phase
 from scenarios.pilot.course import AT_PLACE_M, AT_REST_MPS
-from scenarios.pilot.following import (
-    MOST_AWAY_M,
-    MOST_DRIFT_MPS,
-    MOST_STRAY_M,
-    SETTLING_US,
-    Following,
-)
 from scenarios.pilot.guard import LEAST_DEVIATION_M, MOST_DEVIATION_M, deviation_limit_m
 from scenarios.pilot.last_stretch import (
     STEADY_IN_WIND_M,
@@ -25,6 +18,13 @@ from scenarios.pilot.last_stretch import (
     steady_within,
 )
 from scenarios.pilot.pace import IN_WIND, USUAL
+from scenarios.pilot.tracking_statistics import (
+    MOST_AWAY_M,
+    MOST_DRIFT_MPS,
+    MOST_STRAY_M,
+    SETTLING_US,
+    Following,
+)
 from tests.scenarios.landing_scenes import yard
 
 TICK_US = 20_000
