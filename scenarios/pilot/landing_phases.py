@@ -21,8 +21,8 @@ from scenarios.pilot.last_stretch import (
     COMMIT_HEIGHTS_M,
     steady_within,
 )
-from scenarios.pilot.look_again import look_from_below, look_nearer
 from scenarios.pilot.phases import Phase, Step
+from scenarios.pilot.second_look import look_from_below, look_nearer
 
 _LOG = logging.getLogger(__name__)
 
