@@ -13,10 +13,10 @@ import math
 from autonomy.planning import BlockedError, PlanningError, UnreachableError
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
+from scenarios.pilot.final_descent import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
 from scenarios.pilot.flight_state import SET_OUT_M, FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_phases import LandingPhases
-from scenarios.pilot.last_stretch import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
 from scenarios.pilot.phases import Phase, Replan, Step
 from scenarios.pilot.take_over import state_at_take_over
 from scenarios.pilot.way_home import is_way_home_free

@@ -14,8 +14,8 @@ import numpy as np
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import Vector3
 from scenarios.pilot.en_route_phases import EnRoutePhases
+from scenarios.pilot.final_descent import LastStretch
 from scenarios.pilot.flight_state import FlightState
-from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
 from scenarios.pilot.take_over import state_at_take_over

@@ -14,13 +14,13 @@ from typing import Protocol
 from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
 from scenarios.pilot.depth_frames import NoDepthError
-from scenarios.pilot.flight_state import FlightState
-from scenarios.pilot.landing_watch import CAMERA, LandingWatch
-from scenarios.pilot.last_stretch import (
+from scenarios.pilot.final_descent import (
     CARRIED_OFF_M,
     COMMIT_HEIGHTS_M,
     steady_within,
 )
+from scenarios.pilot.flight_state import FlightState
+from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 from scenarios.pilot.phases import Phase, Step
 from scenarios.pilot.second_look import look_from_below, look_nearer
 

@@ -25,12 +25,12 @@ from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
 from scenarios.pilot.depth_frames import Frames
 from scenarios.pilot.en_route_phases import EnRoutePhases
+from scenarios.pilot.final_descent import LastStretch
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground_phases import GroundPhases
 from scenarios.pilot.guard import Guard
 from scenarios.pilot.landing_phases import LandingPhases
-from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.pace import AMONG_MOVERS, USUAL
 from scenarios.pilot.phases import (
     FOLLOWS,

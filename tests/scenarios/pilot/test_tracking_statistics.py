@@ -9,14 +9,14 @@ from autonomy.planning import FlightLimits, plan_leg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.pilot import Phase
 from scenarios.pilot.course import AT_PLACE_M, AT_REST_MPS
-from scenarios.pilot.guard import LEAST_DEVIATION_M, MOST_DEVIATION_M, deviation_limit_m
-from scenarios.pilot.last_stretch import (
+from scenarios.pilot.final_descent import (
     STEADY_IN_WIND_M,
     STEADY_IN_WIND_MPS,
     STEADY_M,
     STEADY_MPS,
     steady_within,
 )
+from scenarios.pilot.guard import LEAST_DEVIATION_M, MOST_DEVIATION_M, deviation_limit_m
 from scenarios.pilot.pace import IN_WIND, USUAL
 from scenarios.pilot.tracking_statistics import (
     MOST_AWAY_M,

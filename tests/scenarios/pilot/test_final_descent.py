@@ -6,14 +6,14 @@ import math
 import pytest
 
 from scenarios.pilot import Phase
-from scenarios.pilot.flight_state import FlightState
-from scenarios.pilot.last_stretch import (
+from scenarios.pilot.final_descent import (
     COMMIT_HEIGHTS_M,
     LAST_HEIGHT_M,
     MOST_TILT_RAD,
     MOST_WIND_MPS,
     LastStretch,
 )
+from scenarios.pilot.flight_state import FlightState
 from tests.scenarios.landing_scenes import yard
 
 
