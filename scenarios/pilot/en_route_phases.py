@@ -18,8 +18,8 @@ from scenarios.pilot.flight_state import SET_OUT_M, FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_phases import LandingPhases
 from scenarios.pilot.phases import Phase, Replan, Step
+from scenarios.pilot.return_path import is_way_home_free
 from scenarios.pilot.take_over import state_at_take_over
-from scenarios.pilot.way_home import is_way_home_free
 
 _LOG = logging.getLogger(__name__)
 

@@ -4,7 +4,7 @@ import dataclasses
 
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.mission import plan_mission
-from scenarios.pilot.way_home import is_way_home_free
+from scenarios.pilot.return_path import is_way_home_free
 from tests.scenarios.landing_scenes import ON_CONTAINER, thing, yard
 
 ABOVE_AREA, ABOVE_START = (9.0, 0.0, 5.0), (0.0, 0.0, 2.0)
