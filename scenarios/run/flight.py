@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from aeroscene.scene import InteractionArea
 from flightsim.cameras import Cameras
 from flightsim.testbench import Testbench, Vehicle
-from scenarios.run.announcing import announce_goal
 from scenarios.run.cfg import SitlCfg
+from scenarios.run.goal_announcement import announce_goal
 from scenarios.run.hangar import Hangar
 from scenarios.run.missions import new_pilot
 from scenarios.run.schedule import Schedule
