@@ -123,7 +123,7 @@ class Sitl:
             )
             self.flights = self._open_flights(hangar, area, pilot)
             if cfg.record is not None or cfg.viewer != "off":
-                from scenarios.run.watching import watch
+                from scenarios.run.observation import watch
 
                 self.recorder, self.viewer = watch(cfg, self.bench, self.flights, stack)
             if cfg.ros2:
