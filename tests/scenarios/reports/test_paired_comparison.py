@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenarios.campaigns.summary import wilson_interval
-from scenarios.reports.paired import CompareError, compare, newcombe_interval
+from scenarios.reports.paired_comparison import CompareError, compare, newcombe_interval
 from tests.scenarios.in_process import in_process
 from tests.scenarios.reports.campaigns import campaign, change_manifest, row, trials
 
