@@ -27,16 +27,16 @@ from scenarios.mission.goals import draw_goals, fitting_areas, is_indoor
 from scenarios.mission.obstacles import distance_field, scene_obstacles
 from scenarios.mission.surroundings import FIELD_RESOLUTION_M
 from scenarios.tasks.drawn_failures import draw_failures
-from scenarios.tasks.reach import NoTaskError, Reach
-from scenarios.tasks.recipe import Range, Recipe
-from scenarios.tasks.task import Task
-from scenarios.tasks.way import (
+from scenarios.tasks.path_difficulty import (
     GRADES,
     Grade,
     WayFigures,
     least_navigation_s,
     measure_way,
 )
+from scenarios.tasks.reach import NoTaskError, Reach
+from scenarios.tasks.recipe import Range, Recipe
+from scenarios.tasks.task import Task
 from scenarios.words.choosing import fitting
 from scenarios.words.drawing import WordGoal, draw_goal
 from scenarios.words.goal import Grade as GoalGrade

@@ -15,7 +15,7 @@ from flightsim.testbench import TestbenchCfg
 from flightsim.vehicles import airframe_by_name
 from scenarios.mission.surroundings import MapSource
 from scenarios.run.cfg import SitlCfg
-from scenarios.tasks.way import WayFigures, least_navigation_s
+from scenarios.tasks.path_difficulty import WayFigures, least_navigation_s
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

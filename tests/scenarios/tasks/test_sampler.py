@@ -14,10 +14,16 @@ from flightsim.plant.timed_failures import parse_failures
 from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
 from scenarios.mission.goals import fitting_areas, is_indoor
 from scenarios.mission.surroundings import sphere_radius_m
+from scenarios.tasks.path_difficulty import (
+    GRADES,
+    MOST_POINTS,
+    THIRDS,
+    WayFigures,
+    least_navigation_s,
+)
 from scenarios.tasks.reach import NoTaskError
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import MOST_SHARE, Sampler
-from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures, least_navigation_s
 from scenarios.words.choosing import choose_goal
 from tests.scenarios.landing_scenes import field, thing
 
