@@ -185,7 +185,7 @@ class Sitl:
         cfg = self.cfg
         if cfg.goal == "area":
             return None
-        from scenarios.words.choosing import choose_goal
+        from scenarios.words.goal_choice import choose_goal
 
         return choose_goal(scene, airframe, asked=cfg.goal, seed=cfg.bench.seed, area=area)
 

@@ -24,7 +24,7 @@ from scenarios.tasks.path_difficulty import (
 from scenarios.tasks.reach import NoTaskError
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import MOST_SHARE, Sampler
-from scenarios.words.choosing import choose_goal
+from scenarios.words.goal_choice import choose_goal
 from tests.scenarios.landing_scenes import field, thing
 
 IRIS = AIRFRAMES["iris"]
