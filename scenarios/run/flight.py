@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.run.companion import Aboard, Companion
-    from scenarios.words.drawing import WordGoal
+    from scenarios.words.goal_drawing import WordGoal
 
 
 class Flight:

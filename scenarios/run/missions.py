@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
     from scenarios.pilot.depth_frames import Frames
-    from scenarios.words.drawing import WordGoal
+    from scenarios.words.goal_drawing import WordGoal
 
 _APART_M = 4.0
 """Least distance between the areas of two vehicles, and from the start of another one."""

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from scenarios.recording import Recorder
     from scenarios.recording.viewer import Viewer
     from scenarios.run.companion import Aboard, Companion
-    from scenarios.words.drawing import WordGoal
+    from scenarios.words.goal_drawing import WordGoal
 
 _LOG = logging.getLogger(__name__)
 

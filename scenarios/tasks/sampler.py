@@ -37,9 +37,9 @@ from scenarios.tasks.path_difficulty import (
 from scenarios.tasks.reach import NoTaskError, Reach
 from scenarios.tasks.recipe import Range, Recipe
 from scenarios.tasks.task import Task
-from scenarios.words.drawing import WordGoal, draw_goal
 from scenarios.words.goal import Grade as GoalGrade
 from scenarios.words.goal_choice import fitting
+from scenarios.words.goal_drawing import WordGoal, draw_goal
 
 _MOST_DRAWS = 60
 """Draws of a start and an area for one trial, including pairs that no free space joins."""

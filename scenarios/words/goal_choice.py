@@ -9,8 +9,8 @@ from flightsim.draws import generator
 from flightsim.testbench import TestbenchError
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.goals import draw_goals, fits
-from scenarios.words.drawing import WordGoal, draw_goal
 from scenarios.words.goal import GRADES, Grade
+from scenarios.words.goal_drawing import WordGoal, draw_goal
 
 Asked = Literal["words"] | Grade
 """Grade of a text, or any of them."""

@@ -6,9 +6,9 @@ import sys
 import pytest
 
 from aeroscene.sources import load_scene
-from scenarios.words.drawing import draw_goal
 from scenarios.words.fitting import Truth, fits, the_one
 from scenarios.words.goal import GRADES, marks_of
+from scenarios.words.goal_drawing import draw_goal
 from scenarios.words.site import Site, site_of
 from scenarios.words.vocabulary import NOUNS
 
@@ -76,7 +76,7 @@ def test_colours_of_vehicles_are_those_that_the_document_names(number):
 
 _TEXTS = """
 from aeroscene.sources import load_scene
-from scenarios.words.drawing import draw_goal
+from scenarios.words.goal_drawing import draw_goal
 scene = load_scene("45")
 for area in scene.landing_areas[::4]:
     goal = draw_goal(scene, area, "relation", 3)
