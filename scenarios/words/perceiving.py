@@ -7,8 +7,8 @@ import math
 from aeroscene.scene import InteractionArea, Scene
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission.goals import fits
-from scenarios.words.fitting import the_one
 from scenarios.words.goal import Description
+from scenarios.words.grounding import the_one
 from scenarios.words.site import site_of
 
 

@@ -6,9 +6,9 @@ import sys
 import pytest
 
 from aeroscene.sources import load_scene
-from scenarios.words.fitting import Truth, fits, the_one
 from scenarios.words.goal import GRADES, marks_of
 from scenarios.words.goal_drawing import draw_goal
+from scenarios.words.grounding import Truth, fits, the_one
 from scenarios.words.site import Site, site_of
 from scenarios.words.vocabulary import NOUNS
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from scenarios.words.fitting import Truth, fits, the_one
 from scenarios.words.goal import Beside, Between, Description, Has, Nearest, On, Toward
+from scenarios.words.grounding import Truth, fits, the_one
 from scenarios.words.site import site_of
 from tests.scenarios.words.car_park import BENCH, car, scene_of, thing
 
