@@ -89,7 +89,7 @@ def plan_to_words(cfg: SitlCfg, vehicle: Vehicle, goal: WordGoal) -> Mission:
     Raises:
         TestbenchError: If none of the areas can be flown to.
     """
-    from scenarios.words.perceiving import perceived_areas
+    from scenarios.words.perfect_perception import perceived_areas
 
     fault: TestbenchError | None = None
     areas = perceived_areas(vehicle.scene, goal.description, vehicle.airframe)
