@@ -18,6 +18,7 @@ import numpy as np
 from aeroscene.scene import InteractionArea, Scene
 from aeroscene.scene.catalogue import LAWNS, ROOFS, ROOMS, STRIPS, WATER
 from flightsim.draws import generator
+from scenarios.words.description_text import text_of
 from scenarios.words.goal import (
     COMPASS,
     Beside,
@@ -34,7 +35,6 @@ from scenarios.words.goal import (
     marks_of,
 )
 from scenarios.words.grounding import TOWARD_M, fits, the_one
-from scenarios.words.phrasing import text_of
 from scenarios.words.site import Place, Site, Truth, site_of
 from scenarios.words.vocabulary import COUNTED, NOUNS, TOWERING
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from scenarios.words.description_text import noun_phrase, text_of
 from scenarios.words.goal import Beside, Description, Has, Nearest, Of, On, Toward
-from scenarios.words.phrasing import noun_phrase, text_of
 
 CAR = Description(kind="car", colour="red")
 
