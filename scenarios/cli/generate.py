@@ -21,7 +21,7 @@ from scenarios.cli.generate_district import district_requests, run_districts
 from scenarios.cli.generate_prompt import print_understood, prompt_wishes, prompted
 from scenarios.cli.generate_words import print_generated
 from scenarios.cli.progress import progress_bar
-from scenarios.generation.prompts.parsing.reading import plain
+from scenarios.generation.prompts.parsing.prompt_reader import plain
 from scenarios.generation.prompts.wishes import Wishes
 from scenarios.generation.text_options import (
     GenerateError,
