@@ -1,6 +1,6 @@
 """Layouts that are not ours: read, mapped to our categories, and made flyable.
 
-`neutral`, `aeroscene_json`, `front3d` and `thor` read one form each into a `NeutralLayout`.
+`neutral_format`, `aeroscene_json`, `front3d` and `thor` read one form each into a `NeutralLayout`.
 `mapping` finds our category for each name of a source, and `flyable` adds ground, walls and a
 start. Importing this package loads numpy at most; building a scene loads shapely.
 """

@@ -137,6 +137,6 @@ class Vehicle:
 
     def close(self) -> None:
         """Close every link, and end the flight stack."""
-        # The plant stays in memory until the collector has run; see `remains`.
+        # The plant stays in memory until the collector has run; see `ended_vehicles`.
         self.stack.close()
         note_end(self.plant)

@@ -1,7 +1,7 @@
 """Drawing of a goal: a description that fits one place of a scene and surely no other, with a text.
 
 A text should be short and fair. Descriptions are therefore generated from the place's own looks and
-from landmarks near it. Each is checked by `fitting` until one fits the place alone. A relation is
+from landmarks near it. Each is checked by `grounding` until one fits the place alone. A relation is
 kept only if the description would fit another place without it. Otherwise texts would be full of
 words that nobody needs, and a pilot could ignore the relations.
 """

@@ -6,7 +6,7 @@ so that a filling function never deals with bytes.
 
 Another message is compiled in three steps: add its name to a group of `_TOGETHER`; fill its fields
 and `is_known` in the function of that group, which `kernel._fill` calls (it lies in `motion.py`,
-`navigation.py` or `readings.py`); and give its constant fields their values in `told.py`.
+`navigation.py` or `readings.py`); and give its constant fields their values in `inputs.py`.
 """
 
 from __future__ import annotations
