@@ -24,7 +24,7 @@ _NEARBY_CELLS = 24
 """Number of cells to each side of an end within which a free one is sought."""
 
 
-def coarse_way(
+def coarse_path(
     field: DistanceField, ends_enu_m: Float[np.ndarray, "2 3"], radius_m: float
 ) -> Float[np.ndarray, "n 3"]:
     """Find points of a path from one place to another, a cell apart.

@@ -19,7 +19,7 @@ from jaxtyping import Int, UInt8
 from autonomy.jit import kernel
 from autonomy.pages import untouched_zeros
 from autonomy.planning.field import DistanceField
-from autonomy.planning.grid import STEPS, Cell, Grid, empty_grid_distance, way_back
+from autonomy.planning.grid import STEPS, Cell, Grid, empty_grid_distance, trace_path
 
 Cells = Int[np.ndarray, "n 3"]
 _MET, _ENTERED = 1, 4
@@ -46,12 +46,12 @@ def narrowest_place(
         enough_m: Distance above which no path is any wider.
     """
     marks = untouched_zeros((field.distance_m.size,), np.uint8)
-    room_m, cell = widest_way(field.distance_m, start_cell, goal_cell, least_m, enough_m, marks)
+    room_m, cell = widest_path(field.distance_m, start_cell, goal_cell, least_m, enough_m, marks)
     return Narrowest(room_m, cell)
 
 
 @kernel
-def widest_way(
+def widest_path(
     distance: Grid,
     start: Cell,
     goal: Cell,
@@ -77,8 +77,8 @@ def widest_way(
         width = min(width, -less)
         marks[here] |= _ENTERED << turn
         if marks[here] & (_ENTERED << (1 - turn)):
-            way = way_back(came_from[0], here, ny, nz)[::-1]
-            return _narrowest(distance, way, way_back(came_from[1], here, ny, nz)[1:])
+            way = trace_path(came_from[0], here, ny, nz)[::-1]
+            return _narrowest(distance, way, trace_path(came_from[1], here, ny, nz)[1:])
         i, j, k = here // (ny * nz), here // nz % ny, here % nz
         other = ends[1 - turn]
         for di, dj, dk in STEPS:

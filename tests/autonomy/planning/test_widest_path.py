@@ -7,7 +7,7 @@ from scipy import ndimage
 
 from autonomy.planning import DistanceField
 from autonomy.planning.search import SeenRoom, search_grid
-from autonomy.planning.widest_path import narrowest_place, widest_way
+from autonomy.planning.widest_path import narrowest_place, widest_path
 from tests.autonomy.planning_worlds import seeds
 
 LEAST, ENOUGH = 0.25, 2.0
@@ -70,13 +70,13 @@ def test_a_closed_room_is_told_by_a_look_at_the_room_from_either_side(door_m):
     room, outside, inside = 9 * 9 * 6, np.array([150, 10, 30]), np.array([82, 82, 3])
     for ends in ((outside, inside), (inside, outside)):
         # A tree meets up to six cells for each that it enters.
-        assert cells_met(widest_way, distance_m, *ends, LEAST, 0.9) < 12 * room
+        assert cells_met(widest_path, distance_m, *ends, LEAST, 0.9) < 12 * room
 
 
 def test_what_a_search_meets_follows_the_way_and_not_the_place():
     distance_m = np.full((160, 160, 40), 3.0)
     distance_m[80] = 2.5
     ends = np.array([150, 10, 30]), np.array([10, 10, 5])
-    assert cells_met(widest_way, distance_m, *ends, LEAST, 0.9) < 15 * 140
+    assert cells_met(widest_path, distance_m, *ends, LEAST, 0.9) < 15 * 140
     seen = SeenRoom(np.zeros((1, 1, 1)), 0.0, -1)
     assert cells_met(search_grid, distance_m, *ends, 0.9, 2.0, seen, 0.0, 1.0) < 60 * 140
