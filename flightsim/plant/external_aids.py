@@ -102,7 +102,7 @@ class PoseUse(Enum):
     """The filter is not aligned yet."""
 
 
-class OutsideAids:
+class ExternalAids:
     """Input of positions from outside to a plant's filter.
 
     Attributes:

@@ -20,7 +20,7 @@ from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.checks import check_worlds, normalised, unaligned
 from flightsim.plant.compilation import compile_kernels
-from flightsim.plant.external_aids import OutsideAids
+from flightsim.plant.external_aids import ExternalAids
 from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
 from flightsim.plant.kernel import advance
@@ -91,7 +91,7 @@ class Plant:
         """Latest reading of each sensor."""
         self.failures = Failures(self._record, self.sensors)
         """Switches that make parts of the vehicle fail."""
-        self.outside = OutsideAids(self._record, self._memory.tick_us)
+        self.outside = ExternalAids(self._record, self._memory.tick_us)
         """Input of fixes and poses that replace those of the vehicle's own sensors."""
         self.history = with_rotors(self._memory.history, n)
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
