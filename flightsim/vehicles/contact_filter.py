@@ -36,7 +36,7 @@ _BUMPER: dict[str, Any] = {
 }
 
 
-def let_touch_each_other(spec: mujoco.MjSpec, n_vehicles: int) -> None:
+def enable_vehicle_contacts(spec: mujoco.MjSpec, n_vehicles: int) -> None:
     """Give vehicles shapes for each other, instead of those by which they touch the world.
 
     Args:
@@ -65,7 +65,7 @@ def let_touch_each_other(spec: mujoco.MjSpec, n_vehicles: int) -> None:
             )
 
 
-def let_touch_movers(spec: mujoco.MjSpec, n_vehicles: int) -> None:
+def enable_mover_contacts(spec: mujoco.MjSpec, n_vehicles: int) -> None:
     """Let vehicles touch movers.
 
     Args:
