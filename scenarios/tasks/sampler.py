@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple, TypeVar
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
-from aeroscene.solids.field_cache import kept_distance_field
+from aeroscene.solids.field_cache import cached_distance_field
 from aeroscene.solids.shapes import scene_primitives
 from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import Vector3
@@ -294,7 +294,7 @@ class Sampler:
 def _openings(scene: Scene) -> Sequence[Opening]:
     """Return the openings of a scene; kept, because they take seconds and serve all vehicles."""
     primitives = scene_primitives(scene)
-    voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
+    voxels = cached_distance_field(scene, FIELD_RESOLUTION_M, primitives)
     return find_openings(distance_field(voxels), scene_obstacles(scene, primitives))
 
 

@@ -18,7 +18,7 @@ from flightsim.environment.shelter import mass_consistent, shelter, wakes
 from flightsim.environment.shelter.shelter import Grid, solve_shelter
 
 
-def kept_shelter(
+def cached_shelter(
     grid: Grid,
     blocks: Float[np.ndarray, "n 8"],
     ground_below_m: Float[np.ndarray, "nx ny"],
