@@ -14,7 +14,7 @@ from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.interleaving import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     TILES,
@@ -179,7 +179,7 @@ class ClosedBlock:
         """Grow machines and chimneys on the roofs, bicycles, bins and trees in the court."""
         ground, draw = self.ground, self.ground.draw
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._flat]
-        yield from in_turn(self._live(), *roofs, self._chimneys(), self._plant())
+        yield from interleave(self._live(), *roofs, self._chimneys(), self._plant())
 
     def _chimneys(self) -> Iterator[None]:
         for roof in self._pitched:

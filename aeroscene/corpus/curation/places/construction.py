@@ -19,7 +19,7 @@ from aeroscene.corpus.curation.places.goods import (
     stack_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.interleaving import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 
@@ -145,7 +145,7 @@ class Construction:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         floor = (-half + 1.0, half - 1.0, 4.5, depth - 1.0)
         bearing = OpenGround(ground)
-        yield from in_turn(
+        yield from interleave(
             self._build(), self._drive(), self._staff(), range_goods(ground, bearing, floor, 8)
         )
 

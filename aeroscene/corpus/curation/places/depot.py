@@ -20,7 +20,7 @@ from aeroscene.corpus.curation.places.goods import (
     set_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.interleaving import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 from aeroscene.corpus.curation.shells import RoomSpace
@@ -116,7 +116,7 @@ class Depot:
         if self._rooms:
             stock = furnish(ground, self._rooms, (ground.draw.one_of(("racks", "goods")),))
         bearing = OpenGround(ground)
-        yield from in_turn(
+        yield from interleave(
             self._load(), stock, self._attend(), range_goods(ground, bearing, apron, 8)
         )
 

@@ -8,7 +8,7 @@ from aeroscene.corpus.curation.builder import Attributes
 from aeroscene.corpus.curation.frame import STREETWARD
 from aeroscene.corpus.curation.interiors import furnish_room, settle
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.interleaving import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.shells import RoomSpace, Shell, raise_shell
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.facade import WALL_M
@@ -112,4 +112,4 @@ def furnish(
         for space, growth in zip(rooms, growths, strict=True):
             settle(ground.builder, space, growth)
         yield
-    yield from in_turn(*growths)
+    yield from interleave(*growths)

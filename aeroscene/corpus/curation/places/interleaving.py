@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 
-def in_turn(*growths: Iterator[None]) -> Iterator[None]:
+def interleave(*growths: Iterator[None]) -> Iterator[None]:
     """Take one step of each growth after another, until none is left.
 
     A scene that fills up early then has a little of everything, instead of all of the first growth.

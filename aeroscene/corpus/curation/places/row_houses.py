@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.interleaving import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.rooftops import TILES, add_chimney, add_row_roof
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import dine
@@ -101,7 +101,7 @@ class RowHouses:
 
     def details(self) -> Iterator[None]:
         """Grow chimneys, bins and bushes in front; tables, trees and beds behind."""
-        yield from in_turn(
+        yield from interleave(
             self._front(), *(self._garden(house) for house in self._houses), self._chimneys()
         )
 

@@ -11,7 +11,7 @@ from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.interleaving import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     TILES,
@@ -108,7 +108,7 @@ class Square:
         roof = iter(())
         if self._roof:
             roof = furnish_flat_roof(ground.builder, draw, self._roof)
-        yield from in_turn(self._line_trees(), self._rest(), self._serve(), roof)
+        yield from interleave(self._line_trees(), self._rest(), self._serve(), roof)
 
     def _line_trees(self) -> Iterator[None]:
         """Two rows of equal trees towards the hall, four on a wide square, benches between them."""

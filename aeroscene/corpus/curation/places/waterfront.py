@@ -17,7 +17,7 @@ from aeroscene.corpus.curation.places.goods import (
     stack_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
-from aeroscene.corpus.curation.places.interleaving import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.seating import dine
 from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
@@ -123,7 +123,7 @@ class Waterfront:
         half = ground.parcel.width / 2
         quay = (-half + 0.5, half - 0.5, 1.0, self._edge - 0.5)
         bearing = OpenGround(ground)
-        yield from in_turn(
+        yield from interleave(
             self._moor(), self._line_edge(), self._serve(), range_goods(ground, bearing, quay, 4)
         )
 
