@@ -168,9 +168,9 @@ def run(cfg: CampaignCfg) -> int:
 
 def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
     """Return true if the pilot or its process failed in every trial, so that none is scored."""
-    from scenarios.campaigns.flyer import Mishap
+    from scenarios.campaigns.flyer import NoFlightCode
 
-    mishaps = {Mishap.RAISED.value, Mishap.HUNG.value, Mishap.DIED.value}
+    mishaps = {NoFlightCode.RAISED.value, NoFlightCode.HUNG.value, NoFlightCode.DIED.value}
     return bool(summary["codes"]) and mishaps.issuperset(summary["codes"])
 
 

@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from scenarios.campaigns.engines.schedule import Schedule
-from scenarios.campaigns.flyer import Mishap, Row, Trial, blank_row, failure
+from scenarios.campaigns.flyer import NoFlightCode, Row, Trial, blank_row, failure
 
 _GRACE_S = 3.0
 """Time beyond the patience, after which the crew ends a worker.
@@ -182,7 +182,7 @@ class Crew:
         # The worker may have been the cause, so another one gets a try.
         if self._schedule.give_back(trial):
             return None
-        return blank_row(trial) | failure(Mishap.DIED, f"{how}, twice")
+        return blank_row(trial) | failure(NoFlightCode.DIED, f"{how}, twice")
 
     def _give_up(self) -> Iterator[Row]:
         """Yield the rows of the trials that take too long; their workers are ended.
@@ -196,7 +196,7 @@ class Crew:
                 self._dismiss(worker)
                 self._schedule.abandon(post.trial)
                 reason = f"no end in {self._patience_s:g} s"
-                yield blank_row(post.trial) | failure(Mishap.HUNG, reason)
+                yield blank_row(post.trial) | failure(NoFlightCode.HUNG, reason)
             # Once one was ready, later ones may take longer without ending the campaign.
             elif not self._has_begun and waited_s > _READY_S:
                 raise WorkerError(f"no worker was ready to fly within {_READY_S:g} s")
