@@ -20,7 +20,7 @@ from aeroscene.ranges import Range
 from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.campaign_limits import MOST_TRIALS, MOST_WORKERS
-from scenarios.cli.campaign_progress import CampaignNews
+from scenarios.cli.campaign_progress import CampaignProgress
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_NEGATIVE,
@@ -185,7 +185,9 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
         # The rate that the bar shows is of the whole campaign, earlier runs of it included.
         known = read_results(cfg.out, ["success"])["success"].to_pylist()
-        news = CampaignNews(cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal)
+        news = CampaignProgress(
+            cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal
+        )
         with _engine(cfg, suite) as engine, progress_bar("", len(left), "trials") as advance:
             rows = campaign.fly(left, engine, workers=cfg.workers, patience_s=cfg.patience)
             for row in rows:

@@ -21,7 +21,7 @@ _MOST_PERIOD = 100
 """Most trials between two progress lines."""
 
 
-class CampaignNews:
+class CampaignProgress:
     """Reports the first failure of each code at once, and how far the campaign is.
 
     A pilot that raises in its first trial raises in all of them. The user should read that after

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from scenarios.cli import campaign
-from scenarios.cli.campaign_progress import CampaignNews
+from scenarios.cli.campaign_progress import CampaignProgress
 
 AGAIN = "aeroscene fly --out 'a b' --scene 7 --vehicle iris --trial 2"
 
@@ -21,7 +21,7 @@ def tell(titles, capsys):
     """Feed rows to the news; returns the lines on standard error."""
 
     def feed(codes, *, has_bar, known=()):
-        news = CampaignNews(Path("a b"), len(codes), known, has_bar=has_bar)
+        news = CampaignProgress(Path("a b"), len(codes), known, has_bar=has_bar)
         for number, code in enumerate(codes):
             success = None if code == "no_task" else code == "success"
             row = {"trial_id": f"7/iris/{number}", "scene": "7", "vehicle": "iris"}
