@@ -14,7 +14,7 @@ _MARGIN_M = 0.3
 """Distance beyond the vehicle's sphere, because nothing guides it beside its straight lines."""
 
 
-def is_way_home_free(world: Surroundings, here_enu_m: Vector3, home_enu_m: Vector3) -> bool:
+def is_return_path_free(world: Surroundings, here_enu_m: Vector3, home_enu_m: Vector3) -> bool:
     """Return whether all straight lines of a return are free, at whatever height it flies.
 
     A return rises, flies level to home and sinks. How far it rises is a parameter of the autopilot,
