@@ -102,7 +102,7 @@ class Pilot:
         self._ground, area = GroundPhases(flight), LandingPhases(flight)
         way = EnRoutePhases(flight, area)
         # Set afterwards: each of the two needs the other.
-        area.ways_out = way
+        area.fallbacks = way
         stretch = LastStretch(flight)
         self._guard = Guard(flight, way, stretch)
         self.phase = Phase.CONNECT
