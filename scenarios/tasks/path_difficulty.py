@@ -33,7 +33,7 @@ _NEAR_M, _ABOUT_M = 1.5, 5.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class WayFigures:
+class PathFigures:
     """Figures of the shortest path from above the start to above the area."""
 
     way_m: float
@@ -70,11 +70,11 @@ MOST_POINTS: Mapping[Grade, int] = {"easy": 2, "medium": 4, "hard": 8}
 """Most points of a class; 42, 29 and 29% of the same paths are easy, medium and hard."""
 
 
-def measure_way(
+def measure_path(
     reach: Reach,
     corners: Float[np.ndarray, "n 3"],
     find_openings: Callable[[Float[np.ndarray, "n 3"]], Sequence[Opening]],
-) -> WayFigures:
+) -> PathFigures:
     """Measure a path through free space.
 
     Args:
@@ -89,7 +89,7 @@ def measure_way(
     # Finding the openings takes seconds; a path with room on both sides passes none.
     is_narrow = 2.0 * room_m < MAX_WIDTH_M
     openings = find_openings(points[is_narrow]) if is_narrow.any() else ()
-    return WayFigures(
+    return PathFigures(
         way_m=round(float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()), 2),
         corridor_m=round(corridor_m, 2),
         clutter=round(_clutter(points, reach.whole_field), 3),

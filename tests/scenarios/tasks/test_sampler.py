@@ -18,7 +18,7 @@ from scenarios.tasks.path_difficulty import (
     GRADES,
     MOST_POINTS,
     THIRDS,
-    WayFigures,
+    PathFigures,
     least_navigation_s,
 )
 from scenarios.tasks.reach import NoTaskError
@@ -87,9 +87,9 @@ def test_grades_follow_from_the_thirds():
     middle = {name: (low + high) / 2 for name, (low, high) in THIRDS.items()}
     easy = {name: low for name, (low, _) in THIRDS.items()}
     hard = {name: high + (high - low) for name, (low, high) in THIRDS.items()}
-    assert [WayFigures(**each).points for each in (easy, middle, hard)] == [0, 4, 8]
-    assert WayFigures(**easy).grade == "easy"
-    assert WayFigures(**hard).grade == "hard"
+    assert [PathFigures(**each).points for each in (easy, middle, hard)] == [0, 4, 8]
+    assert PathFigures(**easy).grade == "easy"
+    assert PathFigures(**hard).grade == "hard"
     assert list(MOST_POINTS) == list(GRADES)
 
 
