@@ -236,7 +236,7 @@ class Plant:
         self._memory.setpoint_flat[:] = setpoint_row(setpoint)
         self._engine["has_new_setpoint"] = 1
 
-    def tell_room_below(self, room_m: float) -> None:
+    def set_room_below(self, room_m: float) -> None:
         """Pass the free height below the legs to the controller, m; 0 if it is unknown."""
         self._controller["room_below_m"] = room_m
 
