@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from aeroscene import __version__
-from scenarios.campaigns.engines.crew import GoneError, WorkerError
+from scenarios.campaigns.engines.crew import WorkerError, WorkerGoneError
 from scenarios.campaigns.engines.worker_setup import begin_work
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
 
@@ -79,7 +79,7 @@ class _Actor:
         try:
             said = self._ray.get(self.answer)
         except self._ray.exceptions.RayActorError as error:
-            raise GoneError(f"its process ended: {_one_line(error)}") from None
+            raise WorkerGoneError(f"its process ended: {_one_line(error)}") from None
         except self._ray.exceptions.RayError as error:
             raise WorkerError(_one_line(error)) from None
         if isinstance(said, str):

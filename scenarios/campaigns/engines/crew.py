@@ -34,7 +34,7 @@ class WorkerError(RuntimeError):
     """No trial can be flown; one line says why."""
 
 
-class GoneError(Exception):
+class WorkerGoneError(Exception):
     """A worker has ended; the message says how."""
 
 
@@ -49,7 +49,7 @@ class Worker(Protocol):
         """Take its next answer: first None, when it is ready, then the row of each trial.
 
         Raises:
-            GoneError: If it has ended.
+            WorkerGoneError: If it has ended.
             WorkerError: If it cannot fly at all.
         """
         ...
@@ -163,7 +163,7 @@ class Crew:
         post = self._posts[worker]
         try:
             row = worker.hear()
-        except GoneError as error:
+        except WorkerGoneError as error:
             return self._bury(worker, str(error))
         # Any answer shows that workers can start at all.
         post.is_ready = self._has_begun = True

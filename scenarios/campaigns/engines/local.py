@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from aeroscene.processes import become, fresh_processes, without_interrupts
-from scenarios.campaigns.engines.crew import GoneError, WorkerError
+from scenarios.campaigns.engines.crew import WorkerError, WorkerGoneError
 from scenarios.campaigns.engines.worker_setup import begin_work
 from scenarios.campaigns.external.program import end_program
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
@@ -66,7 +66,7 @@ class _LocalWorker:
             said: Any = self.link.recv()
         except (EOFError, OSError):
             self._process.join(_FAREWELL_S)
-            raise GoneError(f"its process ended with {self._process.exitcode}") from None
+            raise WorkerGoneError(f"its process ended with {self._process.exitcode}") from None
         if isinstance(said, WorkerError):
             raise said
         return None if said == _READY else said

@@ -4,7 +4,7 @@ from collections import Counter
 
 import pytest
 
-from scenarios.campaigns.engines.crew import Crew, GoneError, WorkerError
+from scenarios.campaigns.engines.crew import Crew, WorkerError, WorkerGoneError
 from scenarios.campaigns.engines.forecast import Costs, forecast
 from scenarios.campaigns.engines.schedule import Schedule
 from scenarios.campaigns.flyer import Trial
@@ -76,7 +76,7 @@ class Stillborn:
         return (self,)
 
     def hear(self):
-        raise GoneError("no memory")
+        raise WorkerGoneError("no memory")
 
     def end(self):
         pass
