@@ -140,7 +140,7 @@ ARDUPILOT = Personality(
     # Its simulator has a database of the terrain; whether data is there does not matter to Copter.
     # Source: ArduCopter 4.5, GCS_Copter.cpp, update_vehicle_sensor_status_flags.
     status_bits=1 << 22,
-    turns_as_told=False,
+    turns_to_commanded_heading=False,
     has_guided_mode=True,
     switches_fence=True,
     tests_motors_clockwise=True,
