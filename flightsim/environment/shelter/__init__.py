@@ -9,4 +9,4 @@ from flightsim.environment.shelter.shelter import (
     ground_below,
 )
 
-__all__ = ["Grid", "blocks_of", "flow_at", "grid_for", "ground_below", "cached_shelter"]
+__all__ = ["Grid", "blocks_of", "cached_shelter", "flow_at", "grid_for", "ground_below"]
