@@ -12,7 +12,7 @@ from aeroscene.scene import Scene
 from scenarios.cli.main import main
 from scenarios.evaluation.class_colours import HALF_M, ClassPictures
 from scenarios.evaluation.renders import PIXELS
-from scenarios.evaluation.rows import separation_percent
+from scenarios.evaluation.rows import classification_accuracy
 from tests.aeroscene.layouts.samples import house
 
 
@@ -88,6 +88,6 @@ def test_pictures_of_one_kind_are_a_guess_and_others_give_themselves_away():
     rng = np.random.default_rng(3)
     real, alike = rng.normal(size=(60, 1, 40)), rng.normal(size=(60, 1, 40))
     other = alike + np.where(np.arange(40) < 5, 4.0, 0.0)
-    guess, seen = (separation_percent(each, real, rng) for each in (alike, other))
+    guess, seen = (classification_accuracy(each, real, rng) for each in (alike, other))
     assert guess.low < 50.0 < guess.high
     assert seen.value > 95.0
