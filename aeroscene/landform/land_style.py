@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LandManner:
+class LandStyle:
     """Rise of the land of a site and around it."""
 
     rise_m: float
@@ -18,10 +18,10 @@ class LandManner:
     """Range of the gradient of banks beside level ground."""
 
 
-_COUNTRY = LandManner(rise_m=2.2, around_m=5.0, bank=(0.12, 0.18))
-_SUBURB = LandManner(rise_m=1.2, around_m=2.8, bank=(0.1, 0.15))
-_TOWN = LandManner(rise_m=0.7, around_m=1.2, bank=(0.08, 0.12))
-LAND_MANNERS: Mapping[str, LandManner] = {
+_COUNTRY = LandStyle(rise_m=2.2, around_m=5.0, bank=(0.12, 0.18))
+_SUBURB = LandStyle(rise_m=1.2, around_m=2.8, bank=(0.1, 0.15))
+_TOWN = LandStyle(rise_m=0.7, around_m=1.2, bank=(0.08, 0.12))
+LAND_STYLES: Mapping[str, LandStyle] = {
     "park": _COUNTRY,
     "hillside": _COUNTRY,
     "village": _COUNTRY,
@@ -33,6 +33,6 @@ LAND_MANNERS: Mapping[str, LandManner] = {
     "car_park": _TOWN,
     "waterfront": _TOWN,
 }
-"""Manner of each theme. Scenes of other themes stay flat: old towns are paved, and rooms have no
+"""NeighbourhoodStyle of each theme. Scenes of other themes stay flat: old towns are paved, and rooms have no
 land.
 """

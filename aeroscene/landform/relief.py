@@ -20,7 +20,7 @@ import shapely
 from jaxtyping import Float
 from scipy.ndimage import distance_transform_edt, gaussian_filter
 
-from aeroscene.landform.land_style import LAND_MANNERS, LandManner
+from aeroscene.landform.land_style import LAND_STYLES, LandStyle
 from aeroscene.landform.level_areas import level_ground
 from aeroscene.landform.objects import on_relief
 from aeroscene.scene import Relief, Scene
@@ -63,14 +63,14 @@ def raise_relief(scene: Scene, rng: np.random.Generator) -> Scene:
             without land is returned as it is.
         rng: Draws the land.
     """
-    manner = LAND_MANNERS.get(scene.theme)
+    manner = LAND_STYLES.get(scene.theme)
     if scene.relief is not None or scene.domain == "indoor" or manner is None:
         return scene
     relief = _relief(scene, manner, rng)
     return scene if relief is None else on_relief(scene, relief)
 
 
-def _relief(scene: Scene, manner: LandManner, rng: np.random.Generator) -> Relief | None:
+def _relief(scene: Scene, manner: LandStyle, rng: np.random.Generator) -> Relief | None:
     """The land; None if hardly any of it rises."""
     origin, spacing_m, shape = _grid(scene)
     x, y = (origin[i] + spacing_m * np.arange(shape[1 - i]) for i in range(2))
@@ -143,7 +143,7 @@ def _gentle(
 
 
 def _most_m(
-    scene: Scene, manner: LandManner, x: np.ndarray, y: np.ndarray
+    scene: Scene, manner: LandStyle, x: np.ndarray, y: np.ndarray
 ) -> Float[np.ndarray, "rows columns"]:
     """Greatest height of the land at nodes, in the site and around it, m."""
     low, high = scene.extent_min_enu_m, scene.extent_max_enu_m

@@ -2,6 +2,6 @@
 
 from aeroscene.neighbourhood.neighbourhood import GAP_M, RING_M, neighbours_of
 from aeroscene.neighbourhood.shapes import NEIGHBOUR_OBJECT_ID
-from aeroscene.neighbourhood.style import MANNERS
+from aeroscene.neighbourhood.style import NEIGHBOURHOOD_STYLES
 
-__all__ = ["GAP_M", "MANNERS", "NEIGHBOUR_OBJECT_ID", "RING_M", "neighbours_of"]
+__all__ = ["GAP_M", "NEIGHBOURHOOD_STYLES", "NEIGHBOUR_OBJECT_ID", "RING_M", "neighbours_of"]

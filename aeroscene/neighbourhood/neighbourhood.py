@@ -20,7 +20,7 @@ import numpy as np
 from aeroscene.neighbourhood import shapes
 from aeroscene.neighbourhood.plots import Place, Plot
 from aeroscene.neighbourhood.streets import Street, streets_around
-from aeroscene.neighbourhood.style import LEAVES, MANNERS, Manner
+from aeroscene.neighbourhood.style import LEAVES, NEIGHBOURHOOD_STYLES, NeighbourhoodStyle
 from aeroscene.scene import Scene, Vector3
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.shapes.primitive import Part
@@ -51,7 +51,7 @@ def neighbours_of(scene: Scene) -> tuple[Primitive, ...]:
     Returns:
         Primitives outside of the flight volume; none for indoor scenes and unknown themes.
     """
-    manner = MANNERS.get(scene.theme)
+    manner = NEIGHBOURHOOD_STYLES.get(scene.theme)
     if manner is None or scene.domain == "indoor":
         return ()
     return tuple(_Ring(scene, manner).primitives())
@@ -60,7 +60,7 @@ def neighbours_of(scene: Scene) -> tuple[Primitive, ...]:
 class _Ring:
     """The land around one scene while it is built up."""
 
-    def __init__(self, scene: Scene, manner: Manner) -> None:
+    def __init__(self, scene: Scene, manner: NeighbourhoodStyle) -> None:
         self._scene, self._manner = scene, manner
         # Python's own hash of texts differs between processes, hence the checksum.
         name = zlib.crc32(scene.scene_id.encode())

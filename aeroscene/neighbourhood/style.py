@@ -9,7 +9,7 @@ Range = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Manner:
+class NeighbourhoodStyle:
     """Density and look of the land around a site."""
 
     length_m: Range
@@ -33,7 +33,7 @@ class Manner:
     """True if fields begin behind the houses."""
 
 
-_VILLAGE = Manner(
+_VILLAGE = NeighbourhoodStyle(
     length_m=(8, 10),
     width_m=(9, 13),
     height_m=(6, 8),
@@ -46,7 +46,7 @@ _VILLAGE = Manner(
     n_trees=30,
     is_rural=True,
 )
-_SUBURB = Manner(
+_SUBURB = NeighbourhoodStyle(
     length_m=(8, 10),
     width_m=(9, 13),
     height_m=(6, 8.5),
@@ -58,7 +58,7 @@ _SUBURB = Manner(
     n_houses=24,
     n_trees=22,
 )
-_TOWN = Manner(
+_TOWN = NeighbourhoodStyle(
     length_m=(11, 14),
     width_m=(14, 22),
     height_m=(9, 17),
@@ -70,7 +70,7 @@ _TOWN = Manner(
     n_houses=20,
     n_trees=14,
 )
-_ESTATE = Manner(
+_ESTATE = NeighbourhoodStyle(
     length_m=(14, 20),
     width_m=(18, 28),
     height_m=(6, 9),
@@ -82,7 +82,7 @@ _ESTATE = Manner(
     n_houses=14,
     n_trees=14,
 )
-MANNERS: Mapping[str, Manner] = {
+NEIGHBOURHOOD_STYLES: Mapping[str, NeighbourhoodStyle] = {
     "urban_block": _TOWN,
     "old_town": _TOWN,
     "car_park": _TOWN,
@@ -95,5 +95,5 @@ MANNERS: Mapping[str, Manner] = {
     "hillside": _VILLAGE,
     "village": _VILLAGE,
 }
-"""Manner of each theme; scenes of other themes, or without one, have nothing around them."""
+"""NeighbourhoodStyle of each theme; scenes of other themes, or without one, have nothing around them."""
 LEAVES = ("leaves", "leaves_dark")

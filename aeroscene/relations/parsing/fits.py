@@ -43,7 +43,7 @@ _OVERHANG_M = 3.0
 _FACING_M = 5.0
 """Greatest distance between two objects that face each other."""
 
-Manner = Literal["thing", "way", "verge", "small"]
+NeighbourhoodStyle = Literal["thing", "way", "verge", "small"]
 """Kind of the host beside which an object stands: another object; a way or structure, along which
 any place will do; a road, also past its ends; another small object on the same top, which may be
 near by chance."""
@@ -127,7 +127,11 @@ def _tolerance_m(play_m: float) -> float:
 
 
 def beside(
-    host: Rectangle, child: Rectangle, manner: Manner = "thing", *, is_round: bool = False
+    host: Rectangle,
+    child: Rectangle,
+    manner: NeighbourhoodStyle = "thing",
+    *,
+    is_round: bool = False,
 ) -> Iterator[Relation]:
     """Yield the sides of another object at which an object stands, in line with it or not.
 

@@ -133,7 +133,7 @@ def _fits(
             return found
 
 
-def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.Manner:
+def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.NeighbourhoodStyle:
     if obj.category in SIGNALS:
         return "verge"
     if obj.category in STAIRS:

@@ -11,9 +11,9 @@ import shapely
 from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.corpus.curation import curate_layout, curate_scene
 from aeroscene.landform import raise_relief, standing_points
-from aeroscene.landform.land_style import LAND_MANNERS
+from aeroscene.landform.land_style import LAND_STYLES
 from aeroscene.landform.relief import MOST_GRADIENT
-from aeroscene.neighbourhood import MANNERS, RING_M, neighbours_of
+from aeroscene.neighbourhood import NEIGHBOURHOOD_STYLES, RING_M, neighbours_of
 from aeroscene.neighbourhood.streets import streets_around
 from aeroscene.scene.catalogue import COVERS, LAWNS, LEAFY
 from aeroscene.scene.footprint import footprint
@@ -122,7 +122,7 @@ def test_rooms_old_towns_and_scenes_with_a_relief_stay_as_they_are():
 
 
 def test_every_theme_around_which_something_stands_has_land_but_old_towns():
-    assert set(LAND_MANNERS) == set(MANNERS) - {"old_town"}
+    assert set(LAND_STYLES) == set(NEIGHBOURHOOD_STYLES) - {"old_town"}
 
 
 @pytest.mark.parametrize("number", [31, 34, 54])
