@@ -63,23 +63,23 @@ def raise_relief(scene: Scene, rng: np.random.Generator) -> Scene:
             without land is returned as it is.
         rng: Draws the land.
     """
-    manner = LAND_STYLES.get(scene.theme)
-    if scene.relief is not None or scene.domain == "indoor" or manner is None:
+    style = LAND_STYLES.get(scene.theme)
+    if scene.relief is not None or scene.domain == "indoor" or style is None:
         return scene
-    relief = _relief(scene, manner, rng)
+    relief = _relief(scene, style, rng)
     return scene if relief is None else on_relief(scene, relief)
 
 
-def _relief(scene: Scene, manner: LandStyle, rng: np.random.Generator) -> Relief | None:
+def _relief(scene: Scene, style: LandStyle, rng: np.random.Generator) -> Relief | None:
     """The land; None if hardly any of it rises."""
     origin, spacing_m, shape = _grid(scene)
     x, y = (origin[i] + spacing_m * np.arange(shape[1 - i]) for i in range(2))
     swell = _swell(shape, spacing_m, rng)
-    bank = rng.uniform(*manner.bank)
+    bank = rng.uniform(*style.bank)
     scale = rng.uniform(0.6, 1.0)
     away_m = _away_m(scene, x, y, spacing_m)
-    most_m = _most_m(scene, manner, x, y)
-    # Some land of every site lies low, as a share of what the manner allows.
+    most_m = _most_m(scene, style, x, y)
+    # Some land of every site lies low, as a share of what the style allows.
     top_m = scale * most_m * (_LOWEST + (1.0 - _LOWEST) * swell)
     heights = top_m * np.tanh(bank * (np.hypot(away_m, _FOOT_M) - _FOOT_M) / top_m)
     inward_m = _inward_m(away_m, spacing_m)
@@ -143,7 +143,7 @@ def _gentle(
 
 
 def _most_m(
-    scene: Scene, manner: LandStyle, x: np.ndarray, y: np.ndarray
+    scene: Scene, style: LandStyle, x: np.ndarray, y: np.ndarray
 ) -> Float[np.ndarray, "rows columns"]:
     """Greatest height of the land at nodes, in the site and around it, m."""
     low, high = scene.extent_min_enu_m, scene.extent_max_enu_m
@@ -152,7 +152,7 @@ def _most_m(
     )
     out_m = np.maximum(east_m[None, :], north_m[:, None])
     share = _smooth(out_m / (0.5 * _AROUND_M))
-    return manner.rise_m + share * (manner.around_m - manner.rise_m)
+    return style.rise_m + share * (style.around_m - style.rise_m)
 
 
 def _swell(

@@ -103,7 +103,7 @@ def test_a_road_that_ends_at_the_edge_goes_on_and_one_that_meets_another_does_no
 
 
 def test_in_the_country_fields_begin_and_in_town_they_do_not():
-    rural = {name for name, manner in NEIGHBOURHOOD_STYLES.items() if manner.is_rural}
+    rural = {name for name, style in NEIGHBOURHOOD_STYLES.items() if style.is_rural}
     assert rural == {"park", "hillside", "village"}
 
 
