@@ -33,6 +33,6 @@ LAND_STYLES: Mapping[str, LandStyle] = {
     "car_park": _TOWN,
     "waterfront": _TOWN,
 }
-"""NeighbourhoodStyle of each theme. Scenes of other themes stay flat: old towns are paved, and rooms have no
+"""Style of each theme. Scenes of other themes stay flat: old towns are paved, and rooms have no
 land.
 """

@@ -95,5 +95,5 @@ NEIGHBOURHOOD_STYLES: Mapping[str, NeighbourhoodStyle] = {
     "hillside": _VILLAGE,
     "village": _VILLAGE,
 }
-"""NeighbourhoodStyle of each theme; scenes of other themes, or without one, have nothing around them."""
+"""Style of each theme; scenes of other themes, or without one, have nothing around them."""
 LEAVES = ("leaves", "leaves_dark")

@@ -126,19 +126,19 @@ def _fits(
         case Kind.FACING:
             return fits.facing(host, outline)
         case _:
-            manner = _manner(ground, host_id, obj)
-            found = fits.beside(host, outline, manner, is_round=obj.category in ROUND)
+            host_kind = _host_kind(ground, host_id, obj)
+            found = fits.beside(host, outline, host_kind, is_round=obj.category in ROUND)
             if obj.category in STAIRS:
                 return (relation for relation in found if relation.quadrant == HEADED[Kind.FACING])
             return found
 
 
-def _manner(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.NeighbourhoodStyle:
+def _host_kind(ground: Ground, host_id: int | None, obj: SceneObject) -> fits.HostKind:
     if obj.category in SIGNALS:
         return "verge"
     if obj.category in STAIRS:
-        return "way"
+        return "path"
     if ground.is_top(obj.parent_id):
         # A plate may lie off its chair; other small objects belong together if they touch.
-        return "thing" if ground.category(host_id) in SEATS else "small"
-    return "thing" if ground.is_top(host_id) else "way"
+        return "object" if ground.category(host_id) in SEATS else "small"
+    return "object" if ground.is_top(host_id) else "path"
