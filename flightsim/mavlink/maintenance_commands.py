@@ -61,7 +61,7 @@ class MaintenanceCommands:
         }
         # All parameters 0 is MAVLink's cancellation.
         if not asked:
-            self._statustext.say(Severity.INFO, "[cal] calibration cancelled")
+            self._statustext.broadcast(Severity.INFO, "[cal] calibration cancelled")
             return ACCEPTED
         if not asked <= _AT_REST.keys() | _BY_HAND.keys():
             return UNSUPPORTED

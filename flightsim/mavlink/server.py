@@ -88,7 +88,7 @@ class MavlinkServer:
         self.lockstep = Lockstep() if has_lockstep else None
         self.statustext = StatustextSender(self._partners)
         self._ignored = IgnoredMessages(self.statustext)
-        self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
+        self.faults = Faults(lambda line: self.statustext.broadcast(Severity.ERROR, line))
         self._payload = payload and PayloadComponents(
             payload, self._view, self._partners, self.statustext, self.faults, self._own
         )
@@ -258,4 +258,4 @@ class MavlinkServer:
                 if self._payload is not None:
                     self._payload.perform(event.item)
             else:
-                self.statustext.say(event.severity, event.text)
+                self.statustext.broadcast(event.severity, event.text)

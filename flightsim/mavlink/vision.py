@@ -83,7 +83,7 @@ class VisionService:
             plant.outside.end_poses()
             has_own = plant.cfg.has("vio") or plant.cfg.has("mocap")
             rest = "the vehicle's own goes on" if has_own else "there is no other odometry"
-            self._statustext.say(Severity.WARNING, f"{names} lost: {rest}")
+            self._statustext.broadcast(Severity.WARNING, f"{names} lost: {rest}")
 
     def _on_angles(self, _: Channel, m: Message) -> None:
         covariance = getattr(m, "covariance", ())
@@ -218,7 +218,7 @@ class VisionService:
         if text not in self._said:
             self._said.add(text)
             self._heard_us = self._view.time_us
-            self._statustext.say(Severity.WARNING, text)
+            self._statustext.broadcast(Severity.WARNING, text)
 
 
 def _from_companions(handler: Handler) -> Handler:

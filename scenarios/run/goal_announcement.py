@@ -33,6 +33,6 @@ def announce_goal(bench: Testbench, vehicle: Vehicle, text: str) -> None:
             next_us = math.inf
         elif vehicle.plant.time_us >= next_us:
             next_us = vehicle.plant.time_us + _EVERY_US
-            statustext.say(Severity.NOTICE, GOAL + text)
+            statustext.broadcast(Severity.NOTICE, GOAL + text)
 
     bench.observers.append(on_tick)

@@ -116,7 +116,7 @@ class CameraCommands:
     def _on_digicam_control(self, _: Channel, m: Message) -> None:
         reply = self._shutter.shoot(self._now_us()) if m.shot == 1 else _FIXED
         if reply.reason:
-            self._statustext.say(Severity.WARNING, explanation("DIGICAM_CONTROL", reply))
+            self._statustext.broadcast(Severity.WARNING, explanation("DIGICAM_CONTROL", reply))
 
     def _trigger_by_way(self, c: Order) -> Reply:
         return self._shutter.each(c.param1, is_at_once=c.param3 == 1.0)

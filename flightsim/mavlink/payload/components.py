@@ -122,7 +122,7 @@ class PayloadComponents:
         )
         if reply.result is not CommandResult.ACCEPTED:
             text = f"Mission item {item.command} {reply.result.value}: {reply.reason}"
-            self._statustext.say(Severity.WARNING, text)
+            self._statustext.broadcast(Severity.WARNING, text)
 
     def work(self) -> None:
         """Let the payload work for a tick, and introduce the components once a second."""
