@@ -64,7 +64,7 @@ class EventLog:
         self._waiting: deque[Event] = deque(maxlen=capacity)
         self._last_reported_us: dict[str, int] = {}
 
-    def say(self, severity: Severity, text: str) -> None:
+    def report(self, severity: Severity, text: str) -> None:
         """Queue a text for clients, unless the same one was queued less than `quiet_us` ago.
 
         Args:
