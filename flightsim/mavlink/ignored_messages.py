@@ -73,9 +73,9 @@ class IgnoredMessages:
 
     def __init__(self, statustext: StatustextSender) -> None:
         self._statustext = statustext
-        self._told: dict[Channel, set[int]] = {}
+        self._explained: dict[Channel, set[int]] = {}
 
-    def tell(self, channel: Channel, message: Message, reason: str) -> None:
+    def explain(self, channel: Channel, message: Message, reason: str) -> None:
         """Send a client the reason why its message changes nothing, once for each kind of message.
 
         Args:
@@ -83,15 +83,15 @@ class IgnoredMessages:
             message: Its message.
             reason: The reason.
         """
-        told = self._told.setdefault(channel, set())
-        if message.get_msgId() not in told:
-            told.add(message.get_msgId())
+        explained = self._explained.setdefault(channel, set())
+        if message.get_msgId() not in explained:
+            explained.add(message.get_msgId())
             text = f"{message.get_type()} is ignored: {reason}"
             self._statustext.answer(channel, Severity.WARNING, text)
 
     def forget(self, channel: Channel) -> None:
         """Drop a partner that left."""
-        self._told.pop(channel, None)
+        self._explained.pop(channel, None)
 
 
 def reason_for(message: Message) -> str:

@@ -247,7 +247,7 @@ class MavlinkServer:
         elif self._payload is not None:
             reason = self._payload.hear(component, channel, message)
         if reason:
-            self._ignored.tell(channel, message, reason)
+            self._ignored.explain(channel, message, reason)
 
     def _tell_events(self) -> None:
         for event in self._autopilot.pop_events():
