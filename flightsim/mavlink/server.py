@@ -137,7 +137,7 @@ class MavlinkServer:
         """
         attempt = self.faults.attempt
         self._receive(0.0)
-        self._tell_events()
+        self._send_events()
         self.statustext.end_tick()
         for watching in self._watching:
             attempt(watching.update)
@@ -245,11 +245,11 @@ class MavlinkServer:
             handler = self._handlers.get(message.get_msgId())
             reason = handler(channel, message) if handler else reason_for(message)
         elif self._payload is not None:
-            reason = self._payload.hear(component, channel, message)
+            reason = self._payload.handle(component, channel, message)
         if reason:
             self._ignored.explain(channel, message, reason)
 
-    def _tell_events(self) -> None:
+    def _send_events(self) -> None:
         for event in self._autopilot.pop_events():
             if isinstance(event, MissionItemReached):
                 # ArduPilot's clients count home as item 0.

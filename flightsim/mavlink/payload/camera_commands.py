@@ -165,7 +165,7 @@ class CameraCommands:
 
     def _sends(self, name: str) -> Executor:
         message_id = LAYOUTS[name].message_id
-        return lambda c: self._plain.send_once(self._component.of(c.channel), message_id)
+        return lambda c: self._plain.send_once(self._component.channel_for(c.channel), message_id)
 
     def _send_captured(self, c: Command, number: float) -> Reply:
         index = choice(number)
@@ -173,5 +173,5 @@ class CameraCommands:
         if photograph is None:
             return DENIED
         payload = self._messages.captured(photograph)
-        self._component.of(c.channel).send(LAYOUTS["CAMERA_IMAGE_CAPTURED"], payload)
+        self._component.channel_for(c.channel).send(LAYOUTS["CAMERA_IMAGE_CAPTURED"], payload)
         return ACCEPTED
