@@ -64,9 +64,8 @@ class Component:
             mavlink_version=3,
         )
         self._own: dict[Channel, Channel] = {}
-        self._partners = (
-            Partners()
-        )  # partners that have addressed it; the others receive by `broadcast`
+        # Partners that have addressed it. The others receive its messages by `broadcast`.
+        self._partners = Partners()
         self.telemetry = TelemetryService(
             {"HEARTBEAT": lambda: self._heartbeat, **producers},
             self._partners,
