@@ -75,7 +75,7 @@ class _Actor:
     def give(self, trial: Trial) -> None:
         self.answer = self._station.fly.remote(trial)
 
-    def hear(self) -> Row | None:
+    def receive(self) -> Row | None:
         try:
             said = self._ray.get(self.answer)
         except self._ray.exceptions.RayActorError as error:

@@ -45,7 +45,7 @@ class Worker(Protocol):
         """Have it fly a trial; a dead worker is noticed when it is heard."""
         ...
 
-    def hear(self) -> Row | None:
+    def receive(self) -> Row | None:
         """Take its next answer: first None, when it is ready, then the row of each trial.
 
         Raises:
@@ -128,7 +128,7 @@ class Crew:
         looked_s = self._clock()
         while self._employ():
             for worker in self._engine.wait(_LOOK_S):
-                row = self._hear(worker)
+                row = self._receive(worker)
                 if row is not None:
                     yield row
             if self._clock() - looked_s >= _LOOK_S:
@@ -158,11 +158,11 @@ class Crew:
                 self._dismiss(worker)
         return bool(posts)
 
-    def _hear(self, worker: Worker) -> Row | None:
+    def _receive(self, worker: Worker) -> Row | None:
         """Take a worker's answer: return a row, or None if it is ready or gone."""
         post = self._posts[worker]
         try:
-            row = worker.hear()
+            row = worker.receive()
         except WorkerGoneError as error:
             return self._bury(worker, str(error))
         # Any answer shows that workers can start at all.

@@ -75,7 +75,7 @@ class Stillborn:
     def wait(self, _):
         return (self,)
 
-    def hear(self):
+    def receive(self):
         raise WorkerGoneError("no memory")
 
     def end(self):
