@@ -14,7 +14,7 @@ from flightsim.mavlink.streaming.readings import MAX_RANGE_CM, MIN_RANGE_CM
 from flightsim.mavlink.streaming.record import VALUES_DTYPE, VIEW_DTYPE
 from flightsim.mavlink.view import VehicleView
 
-_SAID = struct.Struct("=q4d")
+_AUTOPILOT_VALUES = struct.Struct("=q4d")
 """First fields of `VIEW_DTYPE`: the autopilot's values of each tick."""
 
 _UNKNOWN_COVARIANCE = (math.nan, *(0.0,) * 20)  # NaN in the first element: unknown
@@ -42,7 +42,7 @@ _FIXED: Mapping[str, Mapping[str, float | Sequence[float]]] = {
 """Fields that never change; fields that are missing here are 0."""
 
 
-class Told:
+class KernelInputs:
     """Memory from which the kernel fills messages.
 
     Attributes:
@@ -59,7 +59,7 @@ class Told:
             for field, value in fixed.items():
                 self.values[0][name][field] = value
         self.view = np.zeros(1, VIEW_DTYPE)
-        self._said = self.view.data.cast("B")
+        self._view_bytes = self.view.data.cast("B")
         record: np.void = self.view[0]
         frame, airframe = view.frame, view.plant.world.airframe
         for field in ("latitude_deg", "longitude_deg", "altitude_m"):
@@ -74,4 +74,6 @@ class Told:
     def listen(self) -> None:
         """Write the autopilot's values of this tick into the record."""
         autopilot, target = self._view.autopilot, self._view.autopilot.target_enu_m or NAN3
-        _SAID.pack_into(self._said, 0, autopilot.is_armed, self._view.home_altitude_m, *target)
+        _AUTOPILOT_VALUES.pack_into(
+            self._view_bytes, 0, autopilot.is_armed, self._view.home_altitude_m, *target
+        )
