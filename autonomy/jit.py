@@ -25,7 +25,7 @@ from numba.core import config
 from numba.core.caching import FunctionCache, NullCache
 from numba.np import linalg
 
-from autonomy.kept_code import KernelCache, cache_root, report_unkept
+from autonomy.kernel_cache import KernelCache, cache_root, report_unkept
 
 _LOG = logging.getLogger(__name__)
 _config: Any = config  # its names are created at run time

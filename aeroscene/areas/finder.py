@@ -13,7 +13,7 @@ from aeroscene.areas.bare_ground import ground_rise_m
 from aeroscene.areas.faces import Face
 from aeroscene.areas.needs import LEGS_M, NEEDS, PERCH_NEEDS, STEP_M, AreaNeeds, needs_of
 from aeroscene.areas.obstacles import Obstacles, Obstructions
-from aeroscene.areas.reach import is_reached
+from aeroscene.areas.reachability import is_reached
 from aeroscene.areas.spots import FreeOutline, Spot
 from aeroscene.scene import AreaKind, DroneClass, InteractionArea, Scene, Vector3
 from aeroscene.scene.catalogue import by_name

@@ -20,7 +20,7 @@ from aeroscene.areas.faces import Face, upward_faces
 from aeroscene.areas.finder import AreaFinder, Candidate, is_wide
 from aeroscene.areas.needs import AreaLimits
 from aeroscene.areas.obstacles import Obstacles
-from aeroscene.areas.reach import access_field
+from aeroscene.areas.reachability import access_field
 from aeroscene.areas.spread import spread
 from aeroscene.scene import DroneClass, InteractionArea, Scene, SceneObject
 from aeroscene.scene.catalogue import LANDABLE, NO_PERCH, PADS

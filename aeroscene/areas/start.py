@@ -17,7 +17,7 @@ from shapely.geometry.base import BaseGeometry
 from aeroscene.areas.bare_ground import above_ground
 from aeroscene.areas.landing import derive_interaction_areas
 from aeroscene.areas.needs import AreaLimits
-from aeroscene.areas.reach import access_field
+from aeroscene.areas.reachability import access_field
 from aeroscene.scene import Scene, SceneObject, Vector3
 from aeroscene.scene.catalogue import LAWNS, OPEN_GROUND, ROADS, ROOMS
 from aeroscene.scene.footprint import footprint

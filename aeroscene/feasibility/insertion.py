@@ -15,7 +15,7 @@ import shapely
 from shapely.errors import ShapelyError
 
 from aeroscene.areas.landing import derive_interaction_areas
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reachability import FIELD_CAP_M
 from aeroscene.areas.spread import spread
 from aeroscene.areas.start import AWAY_M
 from aeroscene.feasibility.layout import Layout, layout_of

@@ -10,7 +10,7 @@ import numpy as np
 from shapely.errors import ShapelyError
 
 from aeroscene.areas.landing import AreaLimits, derive_interaction_areas
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reachability import FIELD_CAP_M
 from aeroscene.areas.start import AWAY_M, NO_START, grounds_of, with_start
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.report import FeasibilityReport, report_of

@@ -23,11 +23,17 @@ from aeroscene.feasibility.heights import set_heights
 from aeroscene.feasibility.home import home_air, home_row, settle_home, start_air
 from aeroscene.feasibility.hosts import rehome
 from aeroscene.feasibility.layout import Layout
+from aeroscene.feasibility.overlap_repair import (
+    cut_overlaps,
+    give_up,
+    resettle,
+    set_on_earth,
+    settle,
+)
 from aeroscene.feasibility.partitions import merge_walls
 from aeroscene.feasibility.plane import PlaneProblem
 from aeroscene.feasibility.roles import is_chained
 from aeroscene.feasibility.seats import turns_to_tables
-from aeroscene.feasibility.settling import cut_overlaps, give_up, resettle, set_on_earth, settle
 from aeroscene.feasibility.shells import fit_shells, lay_roofs
 from aeroscene.feasibility.stairs import drop_lost, follow_levels, landings_of
 from aeroscene.feasibility.strays import drop_strays

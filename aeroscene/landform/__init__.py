@@ -4,7 +4,7 @@ Sites are laid out flat, because grammar and model place objects in the plane. T
 afterwards, only where nothing needs level ground, and `level` undoes it for metrics and learning.
 """
 
-from aeroscene.landform.raising import raise_relief
-from aeroscene.landform.standing import level, on_relief, standing_points
+from aeroscene.landform.objects import level, on_relief, standing_points
+from aeroscene.landform.relief import raise_relief
 
 __all__ = ["level", "on_relief", "raise_relief", "standing_points"]

@@ -24,7 +24,7 @@ from aeroscene.areas.start import NO_START, Ground, with_start
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.house import build_house, lay_ground
 from aeroscene.layouts.mapping import MappingReport
-from aeroscene.layouts.placing import place_objects
+from aeroscene.layouts.placement import place_objects
 from aeroscene.layouts.site import Grounds, Site, survey
 from aeroscene.scene import Scene, SceneDomain, Vector3
 from aeroscene.scene.catalogue import LAWNS, ROOMS

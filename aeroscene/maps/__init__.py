@@ -1,6 +1,6 @@
 """Places that exist: OpenStreetMap and GeoJSON as scenes to fly in.
 
-`reading` reads a file into features, and `place` projects and cuts them. Then one module each
+`reader` reads a file into features, and `place` projects and cuts them. Then one module each
 builds the ground, streets, buildings, barriers, furniture and trees, and `flyable` joins their
 results to a scene.
 """

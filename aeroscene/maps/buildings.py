@@ -22,7 +22,7 @@ from aeroscene.maps.document import Feature
 from aeroscene.maps.site import Attributes, Framed, Site, framed, long_axis_rad
 from aeroscene.maps.tags import heading_rad, tiles, wall_colour
 from aeroscene.solids.shapes.materials import WALL_COLOURS
-from aeroscene.solids.shapes.outlined_roofs import can_be_pitched
+from aeroscene.solids.shapes.outline_roofs import can_be_pitched
 
 _LEAST_M2 = 4.0
 _LEAST_HEIGHT_M = 2.0

@@ -20,7 +20,7 @@ from aeroscene.files import UnpackError, read_bounded
 from aeroscene.files.names import file_name
 from aeroscene.layouts.document import LayoutError, LayoutRoom, NeutralLayout
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.reading import pick_layout
+from aeroscene.layouts.reader import pick_layout
 from aeroscene.layouts.uses import room_use
 from aeroscene.maps.bounds import Bounds
 from aeroscene.maps.document import Feature, MapError

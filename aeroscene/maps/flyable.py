@@ -17,7 +17,7 @@ from pathlib import Path
 import shapely
 
 from aeroscene.areas.needs import AreaLimits
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reachability import FIELD_CAP_M
 from aeroscene.areas.start import NO_START, Ground, with_start
 from aeroscene.files.names import file_name
 from aeroscene.files.visible import visible
@@ -29,7 +29,7 @@ from aeroscene.maps.buildings import raise_buildings
 from aeroscene.maps.document import Feature, MapError, Tags
 from aeroscene.maps.furniture import place_furniture
 from aeroscene.maps.place import Place, locate
-from aeroscene.maps.reading import read_map
+from aeroscene.maps.reader import read_map
 from aeroscene.maps.site import Site
 from aeroscene.maps.streets import lay_pavements, lay_streets
 from aeroscene.maps.surfaces import is_ground, is_strip, lay_base, lay_surfaces

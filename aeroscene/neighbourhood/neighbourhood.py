@@ -18,9 +18,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from aeroscene.neighbourhood import shapes
-from aeroscene.neighbourhood.manner import LEAVES, MANNERS, Manner
 from aeroscene.neighbourhood.plots import Place, Plot
 from aeroscene.neighbourhood.streets import Street, streets_around
+from aeroscene.neighbourhood.style import LEAVES, NEIGHBOURHOOD_STYLES, NeighbourhoodStyle
 from aeroscene.scene import Scene, Vector3
 from aeroscene.solids.shapes import Primitive
 from aeroscene.solids.shapes.primitive import Part
@@ -51,17 +51,17 @@ def neighbours_of(scene: Scene) -> tuple[Primitive, ...]:
     Returns:
         Primitives outside of the flight volume; none for indoor scenes and unknown themes.
     """
-    manner = MANNERS.get(scene.theme)
-    if manner is None or scene.domain == "indoor":
+    style = NEIGHBOURHOOD_STYLES.get(scene.theme)
+    if style is None or scene.domain == "indoor":
         return ()
-    return tuple(_Ring(scene, manner).primitives())
+    return tuple(_Ring(scene, style).primitives())
 
 
 class _Ring:
     """The land around one scene while it is built up."""
 
-    def __init__(self, scene: Scene, manner: Manner) -> None:
-        self._scene, self._manner = scene, manner
+    def __init__(self, scene: Scene, style: NeighbourhoodStyle) -> None:
+        self._scene, self._style = scene, style
         # Python's own hash of texts differs between processes, hence the checksum.
         name = zlib.crc32(scene.scene_id.encode())
         self._rng = np.random.default_rng([scene.seed, name, 0x4E1])
@@ -95,25 +95,25 @@ class _Ring:
         return bool(np.abs(ground_m).max() <= _LEVEL_M)
 
     def _houses(self, streets: tuple[Street, ...]) -> Iterator[Primitive]:
-        manner, n_left = self._manner, self._manner.n_houses
+        style, n_left = self._style, self._style.n_houses
         # Fronts along streets before places without a street.
-        places = (*self._fronts(streets), *self._anywhere(manner.n_houses))
+        places = (*self._fronts(streets), *self._anywhere(style.n_houses))
         # All are drawn beforehand, so that a place that is taken does not change the later ones.
-        sizes = self._drawn(len(places), manner.length_m, manner.width_m, manner.height_m)
+        sizes = self._drawn(len(places), style.length_m, style.width_m, style.height_m)
         walls, roofs = (
             self._rng.integers(len(kinds), size=len(places)).tolist()
-            for kinds in (manner.walls, manner.roofs)
+            for kinds in (style.walls, style.roofs)
         )
         for place, size_m, wall, roof in zip(places, sizes, walls, roofs, strict=True):
             plot = self._take(place, size_m) if n_left else None
             if plot is not None:
                 n_left -= 1
-                kinds = manner.walls[wall], manner.roofs[roof]
-                parts = shapes.house(size_m, *kinds, manner.pitch)
+                kinds = style.walls[wall], style.roofs[roof]
+                parts = shapes.house(size_m, *kinds, style.pitch)
                 yield from self._standing(parts, plot, place)
 
     def _trees(self) -> Iterator[Primitive]:
-        n_left = self._manner.n_trees
+        n_left = self._style.n_trees
         places = self._anywhere(_TRIES * n_left)
         sizes = self._drawn(len(places), _TREE_M[0], _TREE_M[0], _TREE_M[1])
         # Kinds of leaves in turn.
@@ -126,14 +126,14 @@ class _Ring:
 
     def _fronts(self, streets: tuple[Street, ...]) -> Iterator[Place]:
         """Places of houses that face a street, on both sides of each."""
-        manner = self._manner
-        deep_m = sum(manner.length_m) / 2
+        style = self._style
+        deep_m = sum(style.length_m) / 2
         for street in streets:
             (x, y), (u, v) = street.begin, street.along
             for side in (-1.0, 1.0):
-                aside_m = side * (street.width_m / 2 + manner.setback_m + deep_m / 2)
-                first_m = self._rng.uniform(0.3, 0.7) * manner.spacing_m
-                for at_m in np.arange(first_m, street.length_m, manner.spacing_m).tolist():
+                aside_m = side * (street.width_m / 2 + style.setback_m + deep_m / 2)
+                first_m = self._rng.uniform(0.3, 0.7) * style.spacing_m
+                for at_m in np.arange(first_m, street.length_m, style.spacing_m).tolist():
                     # The front is +x and looks at the street.
                     yaw_rad = street.yaw_rad - side * math.pi / 2
                     yield (x + at_m * u - aside_m * v, y + at_m * v + aside_m * u, yaw_rad)

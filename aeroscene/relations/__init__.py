@@ -5,8 +5,8 @@ and leaves only centimetres of noise. `scene_relations` reads relations off a sc
 puts the boxes back exactly.
 """
 
-from aeroscene.relations.parsing.reading import scene_relations
-from aeroscene.relations.placing import place
+from aeroscene.relations.parsing.reader import scene_relations
+from aeroscene.relations.placement import place
 from aeroscene.relations.relation import Align, Array, Gap, Kind, Member, Relation, Residual, Unit
 
 __all__ = [

@@ -1,7 +1,7 @@
 """The data of a relation: how an object or a group stands to its host, and the axes left open.
 
 A relation pins axes of a place in the host's own frame. A pinned axis has centimetres of noise; an
-open one is drawn. Each is decoded exactly, see `aeroscene.relations.placing`.
+open one is drawn. Each is decoded exactly, see `aeroscene.relations.placement`.
 
     symbol  name                                                             unit
     u       along the outward normal of the host's side                      m

@@ -43,7 +43,7 @@ _wide: dict[str, WideField] = {}
 """Field of the last large scene; one may hold a gigabyte."""
 
 
-def kept_distance_field(
+def cached_distance_field(
     scene: Scene,
     resolution_m: float,
     primitives: Sequence[Primitive],
@@ -70,7 +70,7 @@ def kept_distance_field(
     return field
 
 
-def kept_wide_field(
+def cached_wide_field(
     scene: Scene, resolution_m: float, primitives: Sequence[Primitive]
 ) -> WideField:
     """Field of a large scene together with the tiles that were computed of it so far.

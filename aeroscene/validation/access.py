@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from aeroscene.areas.needs import area_needs
-from aeroscene.areas.reach import access_field
+from aeroscene.areas.reachability import access_field
 from aeroscene.scene import Scene
 from aeroscene.solids.freespace import NoFreeSpaceError, VoxelField, reachable
 from aeroscene.solids.shapes import Primitive

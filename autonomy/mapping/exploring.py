@@ -20,7 +20,7 @@ import numpy as np
 from jaxtyping import Int
 
 from autonomy.mapping.agenda import Agenda
-from autonomy.mapping.coarse_way import nearest_cell
+from autonomy.mapping.coarse_path import nearest_cell
 from autonomy.mapping.errands import pursue, set_out
 from autonomy.mapping.rays import HIT
 from autonomy.mapping.seen_map import SeenMap

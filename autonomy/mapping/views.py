@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float, Int
 
 from autonomy.jit import kernel
 from autonomy.mapping.rays import OCCUPIED_AT
-from autonomy.planning.grid import way_back
+from autonomy.planning.grid import trace_path
 
 _STEP = 0.5
 """Distance between samples of a line of sight, in cells."""
@@ -138,7 +138,7 @@ def best_viewpoint(
                 cost[u, v, w] = so_far + 1.0
                 came_from[there] = here
                 heapq.heappush(queue, (so_far + 1.0, there))
-    return way_back(came_from, found, ny, nz)
+    return trace_path(came_from, found, ny, nz)
 
 
 @kernel

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from autonomy.mapping.coarse_way import SEARCH_EXCESS, coarse_way
+from autonomy.mapping.coarse_path import SEARCH_EXCESS, coarse_path
 from autonomy.mapping.map import GivenObstacles
 from autonomy.planning.craft import Craft
 from autonomy.planning.errors import UnreachableError
@@ -88,7 +88,7 @@ class WideMap(GivenObstacles):
         """
         ends = np.array([start_enu_m, goal_enu_m])
         if np.all(self.field.contains(ends)):
-            self.build(coarse_way(self.coarse, ends, self.radius_m), reach_m)
+            self.build(coarse_path(self.coarse, ends, self.radius_m), reach_m)
 
     def find_openings(self) -> Sequence[Opening]:
         """Return none: in a large place, ask `openings_about` for those along a path."""

@@ -22,7 +22,7 @@ from autonomy.perception.depth_image import DepthImage
 from autonomy.perception.foreground import find_blobs, find_foreground
 from autonomy.perception.mover_track import MoverTrack
 from autonomy.perception.sighting import Sighting, see
-from autonomy.planning.moving import MovingObstacles
+from autonomy.planning.moving_obstacles import MovingObstacles
 
 # Cells of cached distances; gap within which blobs, and their pixels, belong together.
 _CELL_M = 0.2

@@ -18,7 +18,7 @@ from autonomy.planning.errors import (
 from autonomy.planning.field import DistanceField
 from autonomy.planning.legs import plan_leg
 from autonomy.planning.limits import FlightLimits
-from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
+from autonomy.planning.moving_obstacles import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles, Shape
 from autonomy.planning.planner import plan_trajectory
 from autonomy.planning.program import prepare

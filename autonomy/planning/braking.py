@@ -27,7 +27,7 @@ from autonomy.planning.craft import Craft
 from autonomy.planning.errors import CertificateError, EvasionError, PlanningError
 from autonomy.planning.evasion import no_nearer
 from autonomy.planning.feasibility import allowances, first_feasible
-from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
+from autonomy.planning.moving_obstacles import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.planner import as_node, bounds_for, with_yaw
 from autonomy.planning.trajectory import Trajectory, join_states

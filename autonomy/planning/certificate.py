@@ -20,7 +20,7 @@ from autonomy.planning.clearance import clearance_along
 from autonomy.planning.demand import limit_peaks
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.limits import FlightLimits
-from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
+from autonomy.planning.moving_obstacles import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.trajectory import Trajectory, derivative_at
 

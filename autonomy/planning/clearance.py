@@ -18,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.jit import kernel
-from autonomy.planning.moving import Movers, distance_to_movers
+from autonomy.planning.moving_obstacles import Movers, distance_to_movers
 from autonomy.planning.solids import Solids, gap_to_sphere, plane_between
 
 SPACING_M = 0.04

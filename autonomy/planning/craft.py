@@ -14,7 +14,7 @@ from autonomy.model.quadrotor import QuadrotorParams
 from autonomy.planning.certificate import certify
 from autonomy.planning.errors import PlanningError
 from autonomy.planning.limits import FlightLimits
-from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
+from autonomy.planning.moving_obstacles import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.trajectory import Trajectory
 

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.planning.corridor import Corridor, refine
-from autonomy.planning.moving import MovingObstacles
+from autonomy.planning.moving_obstacles import MovingObstacles
 from autonomy.planning.program import pieces_to_fill
 from autonomy.planning.trajectory import Trajectory, rest_of
 

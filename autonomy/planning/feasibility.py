@@ -29,7 +29,7 @@ from autonomy.model.flatness import hover_drag_per_s
 from autonomy.model.quadrotor import GRAVITY_MPS2, QuadrotorParams
 from autonomy.planning.clearance import clearance_along
 from autonomy.planning.limits import FlightLimits, MotionBounds
-from autonomy.planning.moving import Movers
+from autonomy.planning.moving_obstacles import Movers
 from autonomy.planning.solids import Solids
 
 _N_SAMPLES = 24

@@ -30,7 +30,7 @@ def empty_grid_distance(i: int, j: int, k: int) -> float:
 
 
 @kernel
-def way_back(
+def trace_path(
     came_from: Int[np.ndarray, " cells"], end: int, ny: int, nz: int
 ) -> Int[np.ndarray, "n 3"]:
     """Cells from `end` back to the beginning of a search, by their predecessors; none for -1."""

@@ -31,7 +31,7 @@ _TUBE_CELLS = 0.9
 Search = Callable[[DistanceField], Int[np.ndarray, "n 3"]]
 
 
-def way_through_openings(
+def path_through_openings(
     search: Search, field: DistanceField, obstacles: Obstacles, needed_m: float
 ) -> Float[np.ndarray, "n 3"]:
     """Find a path: centres of cells, and the axes of openings in which no cell has enough room.

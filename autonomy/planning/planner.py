@@ -23,7 +23,7 @@ from autonomy.planning.field import DistanceField
 from autonomy.planning.limits import FlightLimits, MotionBounds
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import optimise
-from autonomy.planning.passages import way_through_openings
+from autonomy.planning.passages import path_through_openings
 from autonomy.planning.primitives import fly_primitives
 from autonomy.planning.program import pieces_to_fill
 from autonomy.planning.search import shortest_path
@@ -158,7 +158,7 @@ def _attempt(task: _Task, margin_m: float, doubt_m: float) -> Trajectory:
         excess=cfg.search_excess,
     )
     if doubt_m > 0.0:
-        points = way_through_openings(search, field, task.obstacles, max(craft.keep_m, required_m))
+        points = path_through_openings(search, field, task.obstacles, max(craft.keep_m, required_m))
     else:
         points = field.centres(search(field))
     # Cells' centres are near the ends, not on them.

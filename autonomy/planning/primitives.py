@@ -24,7 +24,7 @@ from autonomy.planning.craft import Craft
 from autonomy.planning.errors import CertificateError
 from autonomy.planning.feasibility import allowances, first_feasible
 from autonomy.planning.limits import MotionBounds
-from autonomy.planning.moving import NOTHING_MOVES
+from autonomy.planning.moving_obstacles import NOTHING_MOVES
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.program import JERK_WEIGHT_M2PS5
 from autonomy.planning.trajectory import join_states, squared_jerk

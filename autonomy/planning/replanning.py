@@ -25,7 +25,7 @@ from autonomy.planning.craft import Craft
 from autonomy.planning.demand import excess
 from autonomy.planning.errors import EvasionError, PlanningError
 from autonomy.planning.evasion import Rest, no_nearer, remainder
-from autonomy.planning.moving import NOTHING_MOVES, MovingObstacles
+from autonomy.planning.moving_obstacles import NOTHING_MOVES, MovingObstacles
 from autonomy.planning.obstacles import Obstacles
 from autonomy.planning.optimiser import EVADING, WARM, optimise
 from autonomy.planning.planner import as_node, bounds_for, with_yaw

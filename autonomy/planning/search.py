@@ -25,8 +25,8 @@ from autonomy.jit import kernel
 from autonomy.pages import untouched_zeros
 from autonomy.planning.errors import UnreachableError
 from autonomy.planning.field import DistanceField
-from autonomy.planning.grid import Cell, Grid, empty_grid_distance, way_back
-from autonomy.planning.widest import narrowest_place
+from autonomy.planning.grid import Cell, Grid, empty_grid_distance, trace_path
+from autonomy.planning.widest_path import narrowest_place
 
 NARROWNESS_PRICE = 4.0
 _MET, _DONE = 1, 2  # states of a cell: reached, and expanded for good
@@ -74,7 +74,7 @@ def shortest_path(
     Raises:
         UnreachableError: If free cells do not join start and goal.
     """
-    _require_way(field, start_cell, goal_cell, required_m)
+    _require_path(field, start_cell, goal_cell, required_m)
     comfortable_m = max(comfortable_m, required_m + 1e-3)
     # Search from the end that is in the narrow. From the open, a search would look for a cheaper
     # path all about before it pays the price of the narrow. Only climbs through unseen space have a
@@ -96,7 +96,7 @@ def shortest_path(
     return np.ascontiguousarray(path[::-1]) if is_forward else path
 
 
-def _require_way(
+def _require_path(
     field: DistanceField, start_cell: Cell, goal_cell: Cell, required_m: float
 ) -> None:
     """Refuse a search that would look at every cell in vain, naming the narrowest place."""
@@ -205,7 +205,7 @@ def search_grid(
                     ahead = empty_grid_distance(goal[0] - u, goal[1] - v, goal[2] - w)
                     ahead += climb_price * max(w - top, 0)
                     heapq.heappush(queue, (total + weight * ahead, ahead, there))
-    return way_back(came_from, last if marks[last] == _DONE else -1, ny, nz)
+    return trace_path(came_from, last if marks[last] == _DONE else -1, ny, nz)
 
 
 @kernel

@@ -75,7 +75,7 @@ class ArmingChecks:
     def announce(self) -> None:
         """Queue one warning for each reason that forbids arming."""
         for reason in self.report.reasons:
-            self._flight.events.say(Severity.WARNING, f"Preflight fail: {reason}")
+            self._flight.events.report(Severity.WARNING, f"Preflight fail: {reason}")
 
     def _tell_changes(self, before: Health) -> None:
         """Report sensors that have fallen silent or repeat themselves, and recovered ones."""
@@ -85,10 +85,10 @@ class ArmingChecks:
                 # Only a sensor that was reported as lost is reported as regained: at the start none
                 # is.
                 self._lost.add(name)
-                self._flight.events.say(Severity.WARNING, f"{title} lost")
+                self._flight.events.report(Severity.WARNING, f"{title} lost")
             elif is_ok and name in self._lost:
                 self._lost.remove(name)
-                self._flight.events.say(Severity.INFO, f"{title} regained")
+                self._flight.events.report(Severity.INFO, f"{title} regained")
 
     def _delivers(self, sensor: Sensor) -> bool:
         now_us = self._flight.vehicle.time_us

@@ -43,7 +43,7 @@ class BatteryMonitor:
         remaining = self._read(battery.remaining)
         level = self._level(remaining)
         if level > self.warning and level in _TEXTS:
-            self._events.say(*_TEXTS[level])
+            self._events.report(*_TEXTS[level])
         self.warning = max(level, self.warning) if is_armed else level
         self.view = BatteryView(
             voltage_v=battery.voltage_v,

@@ -81,7 +81,7 @@ class Commander:
         if not is_forced:
             report = self._checks.refresh(self.mode, is_armed=False)
             for reason in report.reasons:
-                events.say(Severity.CRITICAL, f"Arming denied: {reason}")
+                events.report(Severity.CRITICAL, f"Arming denied: {reason}")
             if report.reasons:
                 return rejected(f"arming denied: {report.reasons[0]}")
         self.is_armed = True
@@ -97,7 +97,7 @@ class Commander:
             self._flight.move_home(None, is_manual=False)
         if self._flight.mission.is_finished:
             self._flight.mission.rewind()
-        events.say(Severity.INFO, "Armed by external command")
+        events.report(Severity.INFO, "Armed by external command")
         # Armed in the air, after a disarming by force: fly at once, there is no takeoff.
         if not self._is_idle:
             self._flight.start_references_here()
@@ -114,7 +114,7 @@ class Commander:
         if not self.is_armed:
             return ACCEPTED
         if not (self._flight.vehicle.is_landed or is_forced):
-            self._flight.events.say(Severity.CRITICAL, "Disarming denied: not landed")
+            self._flight.events.report(Severity.CRITICAL, "Disarming denied: not landed")
             return rejected("disarming denied: not landed")
         self.is_armed = False
         self.armed_at_us = None
@@ -129,7 +129,7 @@ class Commander:
         if self.mode in _ONE_FLIGHT_MODES or is_over:
             self.mode = Mode.HOLD
         self.behaviour = behaviour_of(self.mode, self._flight)
-        self._flight.events.say(Severity.INFO, f"Disarmed by {why}")
+        self._flight.events.report(Severity.INFO, f"Disarmed by {why}")
         return ACCEPTED
 
     def request(self, mode: Mode, behaviour: Behaviour | None = None) -> Reply:
@@ -153,7 +153,7 @@ class Commander:
         reply = may_enter(mode, self._flight, is_armed=self.is_armed, is_bare=behaviour is None)
         if not reply.is_accepted:
             why = f"switching to {mode.value} denied: {reply.reason}"
-            self._flight.events.say(Severity.CRITICAL, f"{why[0].upper()}{why[1:]}")
+            self._flight.events.report(Severity.CRITICAL, f"{why[0].upper()}{why[1:]}")
             return Reply(reply.result, why)
         # A client overrules a failsafe: the same condition does not act again until it gets worse.
         self._failsafe_action = Action.WARN
@@ -163,7 +163,7 @@ class Commander:
 
     def terminate(self) -> None:
         """Stop the rotors until the vehicle is disarmed, even in the air."""
-        self._flight.events.say(Severity.EMERGENCY, "Flight termination")
+        self._flight.events.report(Severity.EMERGENCY, "Flight termination")
         self._enter(Mode.TERMINATION, None)
 
     def tick(self) -> Setpoint:
@@ -229,7 +229,7 @@ class Commander:
         if not is_landed:
             self.took_off_at_us = self._flight.vehicle.time_us
         text = "Landing detected" if is_landed else "Takeoff detected"
-        self._flight.events.say(Severity.INFO, text)
+        self._flight.events.report(Severity.INFO, text)
 
     def _rests(self) -> bool:
         """Return true if the ground carries a vehicle that came down: its rotors should idle.
@@ -290,7 +290,7 @@ class Commander:
         if not flight.sticks.is_moved(flight.vehicle.time_us):
             return
         mode = Mode.POSITION if flight.vehicle.is_position_ok else Mode.ALTITUDE
-        flight.events.say(Severity.INFO, "Pilot took over using sticks")
+        flight.events.report(Severity.INFO, "Pilot took over using sticks")
         self.request(mode)
 
     def _act(self, reason: FailsafeReason, action: Action) -> None:
@@ -299,7 +299,7 @@ class Commander:
         if action is Action.WARN:
             if reason in BATTERY_REASONS:
                 return
-            flight.events.say(Severity.WARNING, f"Failsafe warning: {reason.value}")
+            flight.events.report(Severity.WARNING, f"Failsafe warning: {reason.value}")
             return
         mode = self._mode_for(action)
         # A landing is not interrupted by a return, nor a failsafe by a weaker or an equal one.
@@ -308,10 +308,12 @@ class Commander:
         self._failsafe_action = action
         self.failsafe = reason
         if action is Action.DISARM:
-            flight.events.say(Severity.EMERGENCY, f"Failsafe activated: {reason.value}, disarming")
+            flight.events.report(
+                Severity.EMERGENCY, f"Failsafe activated: {reason.value}, disarming"
+            )
             self.disarm(is_forced=True, why="failsafe")
             return
-        flight.events.say(
+        flight.events.report(
             Severity.CRITICAL, f"Failsafe activated: {reason.value}, switching to {mode.value}"
         )
         self._enter(mode, None)

@@ -62,22 +62,22 @@ class EventLog:
         self.time_us = 0
         self._quiet_us = quiet_us
         self._waiting: deque[Event] = deque(maxlen=capacity)
-        self._last_said_us: dict[str, int] = {}
+        self._last_reported_us: dict[str, int] = {}
 
-    def say(self, severity: Severity, text: str) -> None:
+    def report(self, severity: Severity, text: str) -> None:
         """Queue a text for clients, unless the same one was queued less than `quiet_us` ago.
 
         Args:
             severity: Importance, which clients show by colour or sound.
             text: One line; a text with another number in it is another text.
         """
-        last_us = self._last_said_us.get(text)
+        last_us = self._last_reported_us.get(text)
         if last_us is not None and self.time_us - last_us < self._quiet_us:
             return
         # Texts with numbers differ each time, so the memory of them must not grow without end.
-        if len(self._last_said_us) > 128:
-            self._last_said_us.clear()
-        self._last_said_us[text] = self.time_us
+        if len(self._last_reported_us) > 128:
+            self._last_reported_us.clear()
+        self._last_reported_us[text] = self.time_us
         self._waiting.append(Statustext(self.time_us, severity, text))
 
     def mission_item_reached(self, index: int) -> None:

@@ -155,7 +155,7 @@ class Failsafes:
             self._was_link_lost = is_lost
             severity = Severity.WARNING if is_lost else Severity.INFO
             text = "lost" if is_lost else "regained"
-            self._flight.events.say(severity, f"Connection to ground station {text}")
+            self._flight.events.report(severity, f"Connection to ground station {text}")
 
     def update(self, mode: Mode) -> list[tuple[FailsafeReason, Action]]:
         """Check all conditions of an armed vehicle.

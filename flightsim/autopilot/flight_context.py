@@ -109,7 +109,7 @@ class FlightContext:
         for number, (east_m, north_m) in enumerate(self.rally.points_enu_m):
             if not self.fence.allows((east_m, north_m, height_m)):
                 text = f"Rally point {number} is outside the geofence, not used"
-                self.events.say(Severity.WARNING, text)
+                self.events.report(Severity.WARNING, text)
 
     def start_references_here(self) -> None:
         """Reset the references to the vehicle, at rest if it is landed."""

@@ -221,7 +221,7 @@ class GuidedRequests:
         flight.home = None
         flight.mission.rewind()
         self._commander.request(Mode.HOLD)
-        flight.events.say(Severity.INFO, "Restarted")
+        flight.events.report(Severity.INFO, "Restarted")
         return ACCEPTED
 
     def _beyond_fence(
@@ -249,7 +249,7 @@ class GuidedRequests:
         breach = breach or leg_breach(flight, start_enu_m or here, place)
         if breach is None or flight.parameters["GF_ACTION"] <= 1:
             return None
-        flight.events.say(Severity.CRITICAL, f"{request} denied: {breach}")
+        flight.events.report(Severity.CRITICAL, f"{request} denied: {breach}")
         return denied(f"{request.lower()} denied: {breach}")
 
     def _filled(self, position_enu_m: Vector3) -> Vector3:

@@ -73,7 +73,7 @@ class Vehicle:
             # Infinite where nothing is within its range.
             # The controller asks for the room below: near the ground it must not lean on its legs.
             height_m = self.range_m * self.cos_tilt - self.resting_range_m
-            self._plant.tell_room_below(0.0 if isnan(height_m) else max(height_m, 0.0))
+            self._plant.set_room_below(0.0 if isnan(height_m) else max(height_m, 0.0))
 
     def read_slowly(self) -> None:
         """Read values that change slowly or are costly; call it a few times a second."""

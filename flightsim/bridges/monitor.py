@@ -116,13 +116,13 @@ class Monitor:
             self._asked_at_ms = telemetry.position_time_ms
         if telemetry.system_id and time_us >= self._obstacles_due_us:
             self._obstacles_due_us = time_us + _OBSTACLES_EVERY_US
-            self._tell_obstacles(self._ring.payload(time_us))  # as any sensor, not in lockstep
+            self._report_obstacles(self._ring.payload(time_us))  # as any sensor, not in lockstep
         for severity, text in telemetry.texts:
             for listener in self.listeners:
                 listener(Severity(min(severity, Severity.DEBUG)), text)
         telemetry.texts.clear()
 
-    def _tell_obstacles(self, payload: bytes) -> None:
+    def _report_obstacles(self, payload: bytes) -> None:
         """Send a scan of the distances all around, as a sensor of the vehicle does."""
         self._n_scans = (self._n_scans + 1) % 256
         # Under the stack's own system id, as from a part of its vehicle.

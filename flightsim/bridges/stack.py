@@ -201,7 +201,7 @@ class ExternalStack:
         if self.fault or self._is_connected:
             return True
         self._is_connected = self._bridge.connect(timeout_s)
-        self._say_notices()
+        self._log_notices()
         # Only a binary of ours has to come in time; a user may start theirs later.
         if not self._is_connected and self._process is not None:
             self.fault = self._process.fault()
@@ -216,14 +216,14 @@ class ExternalStack:
         """Take over the stack's estimate, and pass on its and our messages."""
         if (estimate := self.monitor.estimate) is not None:
             self._handover.take_estimate(estimate)
-        self._say_notices()
+        self._log_notices()
 
     def _drive(self) -> None:
         """Send the state, and command the rotors by the answer; no power once the stack is lost."""
         if self.fault:
             self._handover.command_rotors(None)
             return
-        self._bridge.tell(self._plant)
+        self._bridge.send_state(self._plant)
         outputs = self._bridge.receive(_LOOK_S)
         # Nearly every answer comes at once; the process is looked at only when one is late.
         if outputs is None:
@@ -242,7 +242,7 @@ class ExternalStack:
                 f"at t = {self._plant.time_us * 1e-6:.2f} s"
             )
 
-    def _say_notices(self) -> None:
+    def _log_notices(self) -> None:
         while self._bridge.notices:
             line = self._bridge.notices.pop(0)
             for listener in self.monitor.listeners:

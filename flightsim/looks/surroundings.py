@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from aeroscene.neighbourhood import MANNERS
+from aeroscene.neighbourhood import NEIGHBOURHOOD_STYLES
 from aeroscene.scene import Scene
 from flightsim.looks.mesh import MeshBuilder
 from flightsim.looks.paint import Paint, material_paint
@@ -80,7 +80,7 @@ def add_surroundings(builder: MeshBuilder, scene: Scene, reach_m: float) -> None
 
 
 def _fields(scene: Scene) -> tuple[Paint, ...]:
-    manner = MANNERS.get(scene.theme)
+    manner = NEIGHBOURHOOD_STYLES.get(scene.theme)
     return _FIELDS if manner is None or manner.is_rural else _FIELDS[:_N_MEADOWS]
 
 

@@ -133,7 +133,7 @@ class Channel:
         self._outbox.is_crowded = is_crowded
 
     @property
-    def way(self) -> int:
+    def service_mode(self) -> int:
         """How streams serve the partner now: waiting, frame by frame, or framed by the kernel."""
         if self._outbox.is_crowded:
             return WAITS

@@ -127,7 +127,7 @@ class CommandService:
             return
         if reply.reason:
             text = explanation(f"Command {command.number}", reply)
-            self._statustext.say(Severity.WARNING, text)
+            self._statustext.broadcast(Severity.WARNING, text)
         acknowledge(command, reply)
 
 

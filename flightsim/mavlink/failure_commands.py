@@ -98,7 +98,7 @@ class FailureCommands:
             fail(failure)
         title = f"{name} {instance}" if instance != _ALL and len(instances) > 1 else name
         word = "works again" if failure is Failure.NONE else f"fails ({failure.name.lower()})"
-        self._statustext.say(Severity.WARNING, f"Injected: {title} {word}")
+        self._statustext.broadcast(Severity.WARNING, f"Injected: {title} {word}")
         return ACCEPTED
 
 

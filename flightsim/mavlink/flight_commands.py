@@ -170,7 +170,7 @@ class FlightCommands:
             if not self._autopilot.is_armed:
                 return Reply(CommandResult.FAILED, "takeoff denied: not armed")
             altitude_m = c.z + self._view.home_altitude_m
-        return self._autopilot.takeoff(given(altitude_m), yaw_rad=self._yaw_told(c))
+        return self._autopilot.takeoff(given(altitude_m), yaw_rad=self._commanded_yaw(c))
 
     def _land(self, c: Command) -> Reply:
         fault = c.place_fault()
@@ -182,7 +182,7 @@ class FlightCommands:
         return self._autopilot.land(
             latitude_deg=None if c.is_here else c.x,
             longitude_deg=None if c.is_here else c.y,
-            yaw_rad=self._yaw_told(c),
+            yaw_rad=self._commanded_yaw(c),
             precision=Precision(precision),
         )
 
@@ -237,9 +237,9 @@ class FlightCommands:
             return denied(fault or "no place; param1 = 1 means here")
         return self._autopilot.set_home(self._place(c))
 
-    def _yaw_told(self, c: Command) -> float | None:
+    def _commanded_yaw(self, c: Command) -> float | None:
         """Heading of a takeoff or landing, rad ENU; None keeps the present one."""
-        return _yaw_of_degrees(c.param4) if self._personality.turns_as_told else None
+        return _yaw_of_degrees(c.param4) if self._personality.turns_to_commanded_heading else None
 
     def _place(self, c: Command) -> Geodetic:
         """Place of a command; NaN keeps the vehicle's coordinate."""

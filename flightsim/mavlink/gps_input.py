@@ -18,7 +18,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import Fix, FixSource
+from flightsim.plant.external_aids import Fix, FixSource
 
 _SILENCE_US = 2_000_000  # silence after which the client's fixes count as lost
 _FARTHEST_M, _FASTEST_MPS = 1e5, 200.0
@@ -67,9 +67,11 @@ class GpsInputService:
         aids.lose_fix()
         if aids.fix_source is FixSource.EITHER:
             aids.end_fixes()
-            self._statustext.say(Severity.WARNING, "GPS_INPUT lost: the vehicle's receiver is back")
+            self._statustext.broadcast(
+                Severity.WARNING, "GPS_INPUT lost: the vehicle's receiver is back"
+            )
         else:
-            self._statustext.say(Severity.WARNING, "GPS_INPUT lost: there is no GPS fix")
+            self._statustext.broadcast(Severity.WARNING, "GPS_INPUT lost: there is no GPS fix")
 
     def _on_fix(self, _: Channel, m: Message) -> None:
         self._heard_us = self._view.time_us
@@ -88,7 +90,7 @@ class GpsInputService:
         """Queue a text once for a stream of fixes."""
         if text not in self._said:
             self._said.add(text)
-            self._statustext.say(Severity.WARNING, text)
+            self._statustext.broadcast(Severity.WARNING, text)
 
     def _fix(self, m: Message) -> Fix | str:
         """Return the fix of a message, or the description of its fault."""

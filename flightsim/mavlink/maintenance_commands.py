@@ -61,7 +61,7 @@ class MaintenanceCommands:
         }
         # All parameters 0 is MAVLink's cancellation.
         if not asked:
-            self._statustext.say(Severity.INFO, "[cal] calibration cancelled")
+            self._statustext.broadcast(Severity.INFO, "[cal] calibration cancelled")
             return ACCEPTED
         if not asked <= _AT_REST.keys() | _BY_HAND.keys():
             return UNSUPPORTED
@@ -73,16 +73,16 @@ class MaintenanceCommands:
         if self._autopilot.landed_state is not LandedState.ON_GROUND:
             return rejected("the vehicle is not at rest")
         for what in sorted(asked & _AT_REST.keys()):
-            self._tell(_AT_REST[what])
+            self._report(_AT_REST[what])
         return ACCEPTED
 
-    def _tell(self, name: str) -> None:
+    def _report(self, name: str) -> None:
         """Report a calibration from its beginning to its end."""
-        say = self._statustext.say
-        say(Severity.INFO, f"[cal] calibration started: 2 {name}")
+        broadcast = self._statustext.broadcast
+        broadcast(Severity.INFO, f"[cal] calibration started: 2 {name}")
         for percent in _DONE_PERCENT:
-            say(Severity.INFO, f"[cal] progress <{percent}>")
-        say(Severity.INFO, f"[cal] calibration done: {name}")
+            broadcast(Severity.INFO, f"[cal] progress <{percent}>")
+        broadcast(Severity.INFO, f"[cal] calibration done: {name}")
 
     def _reboot(self, c: Command) -> Reply:
         """Restart the autopilot; the testbench itself ends only where it was started."""

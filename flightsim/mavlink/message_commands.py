@@ -112,7 +112,7 @@ class IdentityCommands:
         return self._send_modes(c) if is_modes else self._messages.request(c)
 
     def _send_banner(self, _: Command) -> Reply:
-        self._statustext.say(Severity.INFO, self._banner)
+        self._statustext.broadcast(Severity.INFO, self._banner)
         return ACCEPTED
 
     def _send_modes(self, c: Command) -> Reply:

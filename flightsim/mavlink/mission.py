@@ -123,7 +123,7 @@ class MissionService:
                 continue
             if upload.is_abandoned:
                 del self._uploads[mission_type]
-                self._statustext.say(Severity.WARNING, "Mission upload timed out")
+                self._statustext.broadcast(Severity.WARNING, "Mission upload timed out")
                 cancelled = mav.MAV_MISSION_OPERATION_CANCELLED
                 self._ack(channel, upload.partner, mission_type, cancelled)
             else:
@@ -200,7 +200,7 @@ class MissionService:
             is_altitude_only = message.current == _GUIDED_ALTITUDE
             reply = self._guide(item_from_message(message), is_altitude_only=is_altitude_only)
             if reply.reason:
-                self._statustext.say(Severity.WARNING, f"Item refused: {reply.reason}")
+                self._statustext.broadcast(Severity.WARNING, f"Item refused: {reply.reason}")
             result = mav.MAV_MISSION_ACCEPTED if reply.is_accepted else mav.MAV_MISSION_DENIED
             self._ack(channel, _sender(message), message.mission_type, result)
             return
@@ -231,7 +231,7 @@ class MissionService:
             check_frames(items)
             self._stores[mission_type].replace(items)
         except MissionError as error:
-            self._statustext.say(Severity.ERROR, f"Mission refused: {error}")
+            self._statustext.broadcast(Severity.ERROR, f"Mission refused: {error}")
             result = result_of(error)
         else:
             result = mav.MAV_MISSION_ACCEPTED

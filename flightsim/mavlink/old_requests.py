@@ -45,7 +45,7 @@ class OldRequestService:
     def _on_set_mode(self, channel: Channel, message: Message) -> None:
         reply = self._commands.set_custom_mode(message.base_mode, message.custom_mode)
         if reply.reason:
-            self._statustext.say(Severity.WARNING, explanation("SET_MODE", reply))
+            self._statustext.broadcast(Severity.WARNING, explanation("SET_MODE", reply))
         if self._acknowledges_set_mode:
             _acknowledge_mode(channel, message, reply)
 
@@ -59,7 +59,7 @@ class OldRequestService:
 
     def _on_set_origin(self, channel: Channel, _: Message) -> None:
         # PX4 answers with the origin that holds; here that is where the vehicle started.
-        self._statustext.say(Severity.NOTICE, "The origin stays where the vehicle started")
+        self._statustext.broadcast(Severity.NOTICE, "The origin stays where the vehicle started")
         self._telemetry.send_now(channel, LAYOUTS["GPS_GLOBAL_ORIGIN"].message_id)
 
 

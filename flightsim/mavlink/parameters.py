@@ -151,7 +151,7 @@ class ParameterService:
             self._refuse(channel, message, -1, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
             return
         except ParameterError as error:
-            self._statustext.say(Severity.ERROR, str(error))
+            self._statustext.broadcast(Severity.ERROR, str(error))
             reason = mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
             if isinstance(error, ReadOnlyParameterError):
                 reason = mav.MAV_PARAM_ERROR_READ_ONLY

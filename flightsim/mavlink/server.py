@@ -17,7 +17,7 @@ from flightsim.autopilot.events import MissionItemReached, PayloadOrder, Severit
 from flightsim.frames import LocalFrame
 from flightsim.mavlink.channel import Channel
 from flightsim.mavlink.faults import Faults
-from flightsim.mavlink.ignored import IgnoredMessages, reason_for
+from flightsim.mavlink.ignored_messages import IgnoredMessages, reason_for
 from flightsim.mavlink.links import Link
 from flightsim.mavlink.lockstep import Lockstep
 from flightsim.mavlink.parsing import Message
@@ -88,7 +88,7 @@ class MavlinkServer:
         self.lockstep = Lockstep() if has_lockstep else None
         self.statustext = StatustextSender(self._partners)
         self._ignored = IgnoredMessages(self.statustext)
-        self.faults = Faults(lambda line: self.statustext.say(Severity.ERROR, line))
+        self.faults = Faults(lambda line: self.statustext.broadcast(Severity.ERROR, line))
         self._payload = payload and PayloadComponents(
             payload, self._view, self._partners, self.statustext, self.faults, self._own
         )
@@ -137,7 +137,7 @@ class MavlinkServer:
         """
         attempt = self.faults.attempt
         self._receive(0.0)
-        self._tell_events()
+        self._send_events()
         self.statustext.end_tick()
         for watching in self._watching:
             attempt(watching.update)
@@ -245,11 +245,11 @@ class MavlinkServer:
             handler = self._handlers.get(message.get_msgId())
             reason = handler(channel, message) if handler else reason_for(message)
         elif self._payload is not None:
-            reason = self._payload.hear(component, channel, message)
+            reason = self._payload.handle(component, channel, message)
         if reason:
-            self._ignored.tell(channel, message, reason)
+            self._ignored.explain(channel, message, reason)
 
-    def _tell_events(self) -> None:
+    def _send_events(self) -> None:
         for event in self._autopilot.pop_events():
             if isinstance(event, MissionItemReached):
                 # ArduPilot's clients count home as item 0.
@@ -258,4 +258,4 @@ class MavlinkServer:
                 if self._payload is not None:
                     self._payload.perform(event.item)
             else:
-                self.statustext.say(event.severity, event.text)
+                self.statustext.broadcast(event.severity, event.text)

@@ -46,7 +46,7 @@ from flightsim.mavlink.shell import ShellService
 from flightsim.mavlink.signing import Signing
 from flightsim.mavlink.signing_setup import SigningSetup
 from flightsim.mavlink.statustext import StatustextSender
-from flightsim.mavlink.streaming import Told
+from flightsim.mavlink.streaming import KernelInputs
 from flightsim.mavlink.telemetry import Producer, TelemetryService
 from flightsim.mavlink.telemetry_motors import MotorTelemetry
 from flightsim.mavlink.telemetry_sensors import SensorTelemetry
@@ -228,7 +228,7 @@ def _telemetry(
         setting.partners,
         lambda: view.plant.time_us,
         setting.faults,
-        Told(view),
+        KernelInputs(view),
     )
 
 

@@ -35,12 +35,12 @@ class SigningSetup:
     def _on_setup(self, channel: Channel, message: Message) -> None:
         refusal = self._refusal(channel)
         if refusal is not None:
-            self._statustext.say(Severity.WARNING, f"Signing key refused: {refusal}")
+            self._statustext.broadcast(Severity.WARNING, f"Signing key refused: {refusal}")
             return
         key = bytes(message.secret_key)
         # A key of zeros ends signing, as MAVLink defines.
         self._signing.key = key if any(key) else None
-        self._statustext.say(Severity.NOTICE, f"Signing is {'on' if any(key) else 'off'}")
+        self._statustext.broadcast(Severity.NOTICE, f"Signing is {'on' if any(key) else 'off'}")
 
     def _refusal(self, channel: Channel) -> str | None:
         if not channel.is_local:

@@ -31,7 +31,7 @@ class StatustextSender:
         """End the tick, so that texts sent in it may be repeated."""
         self._said_in_tick.clear()
 
-    def say(self, severity: Severity, text: str) -> None:
+    def broadcast(self, severity: Severity, text: str) -> None:
         """Send a text of at most 250 bytes; longer ones are cut, repeats in a tick are dropped.
 
         Args:

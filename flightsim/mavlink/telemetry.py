@@ -15,7 +15,13 @@ from flightsim.mavlink.dialect import LAYOUTS, MESSAGE_NAMES
 from flightsim.mavlink.faults import Faults
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners, send
-from flightsim.mavlink.streaming import ONE_BY_ONE, TOLD, Streamed, Streamer, Told
+from flightsim.mavlink.streaming import (
+    KERNEL_MESSAGES,
+    ONE_BY_ONE,
+    KernelInputs,
+    Streamed,
+    Streamer,
+)
 from flightsim.mavlink.streams import StreamTable
 
 Producer = Callable[[], bytes | tuple[bytes, ...] | None]
@@ -37,7 +43,7 @@ class TelemetryService:
         partners: Partners,
         now_us: Callable[[], int],
         faults: Faults,
-        told: Told | None = None,
+        inputs: KernelInputs | None = None,
     ) -> None:
         """Prepare to send messages.
 
@@ -46,17 +52,17 @@ class TelemetryService:
             partners: Partners that the streams go to.
             now_us: Simulated time.
             faults: Guards the packing of each message.
-            told: The vehicle, for messages that the kernel packs; None sends those of `producers`
+            inputs: The vehicle, for messages that the kernel packs; None sends those of `producers`
                 alone.
         """
-        names = (*producers, *(TOLD if told else ()))
+        names = (*producers, *(KERNEL_MESSAGES if inputs else ()))
         self._ids = frozenset(LAYOUTS[name].message_id for name in names)
         self._producers = {LAYOUTS[name].message_id: made for name, made in producers.items()}
         self._layouts = [LAYOUTS[name] for name in names if name not in _ON_REQUEST_ONLY]
         self._streamed = [layout.message_id for layout in self._layouts]
         self._indexes = {message_id: index for index, message_id in enumerate(self._streamed)}
         self._partners, self._now_us, self._faults = partners, now_us, faults
-        self._streamer = Streamer(self._layouts, told)
+        self._streamer = Streamer(self._layouts, inputs)
         self._tables: dict[Channel, tuple[StreamTable, Streamed]] = {}
         self._served: Sequence[Channel] | None = None
         self._in_turn: Sequence[tuple[Channel, Streamed]] = ()
@@ -78,14 +84,14 @@ class TelemetryService:
                 streamed.let_pass(now_us)
             return
         for channel, streamed in self._in_turn:
-            streamed.serve(channel.way, channel.sequence)
+            streamed.serve(channel.service_mode, channel.sequence)
         self._next_us = self._streamer.stream(now_us, self._pack_streamed)
         for channel, streamed in self._in_turn:
             frames = streamed.frames
             if frames:
                 channel.stream(frames, streamed.n_frames)
             # Partners of MAVLink 1 or with signatures need frames of their own.
-            elif streamed.way == ONE_BY_ONE:
+            elif streamed.service_mode == ONE_BY_ONE:
                 self._send_one_by_one(channel, streamed)
 
     def forget(self, channel: Channel) -> None:

@@ -18,7 +18,7 @@ from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler
 from flightsim.mavlink.statustext import StatustextSender
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import Pose, PoseUse
+from flightsim.plant.external_aids import Pose, PoseUse
 
 _SILENCE_US = 1_000_000  # silence after which poses count as lost
 _FARTHEST_M, _FASTEST_MPS = 1e5, 200.0
@@ -83,7 +83,7 @@ class VisionService:
             plant.outside.end_poses()
             has_own = plant.cfg.has("vio") or plant.cfg.has("mocap")
             rest = "the vehicle's own goes on" if has_own else "there is no other odometry"
-            self._statustext.say(Severity.WARNING, f"{names} lost: {rest}")
+            self._statustext.broadcast(Severity.WARNING, f"{names} lost: {rest}")
 
     def _on_angles(self, _: Channel, m: Message) -> None:
         covariance = getattr(m, "covariance", ())
@@ -218,7 +218,7 @@ class VisionService:
         if text not in self._said:
             self._said.add(text)
             self._heard_us = self._view.time_us
-            self._statustext.say(Severity.WARNING, text)
+            self._statustext.broadcast(Severity.WARNING, text)
 
 
 def _from_companions(handler: Handler) -> Handler:

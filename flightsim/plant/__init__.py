@@ -6,7 +6,7 @@ autopilot and MAVLink, at 50 Hz, stay ordinary Python.
 """
 
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
-from flightsim.plant.compiling import compile_kernels
+from flightsim.plant.compilation import compile_kernels
 from flightsim.plant.fleet import Fleet
 from flightsim.plant.plant import Plant
 

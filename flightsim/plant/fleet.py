@@ -27,7 +27,7 @@ from flightsim.environment.effects import Effects
 from flightsim.environment.wind import CALM, WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.checks import check_alike, check_worlds
-from flightsim.plant.compiling import compile_kernels
+from flightsim.plant.compilation import compile_kernels
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, new_memories
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors

@@ -22,7 +22,7 @@ from flightsim.draws import generator, seed_sequence
 from flightsim.environment.dryden import stationary_states
 from flightsim.environment.magnetic_field import FIELD_ENU_UT
 from flightsim.environment.motion import new_movers, new_traffic, place_mover
-from flightsim.environment.shelter import kept_shelter
+from flightsim.environment.shelter import cached_shelter
 from flightsim.environment.wind import AIR_NORMALS, CALM, WindCfg, new_air, set_wind
 from flightsim.looks.movers import MOVER_CONTACT_BIT
 from flightsim.plant.cfg import PlantCfg, estimator_cfg_for
@@ -148,7 +148,7 @@ class PlantMemory:
         around = self._around
         is_sheltered = around.is_sheltered and cfg.speed_mps + cfg.gust_mps > 0.0
         if is_sheltered:
-            self._shelter[:] = kept_shelter(
+            self._shelter[:] = cached_shelter(
                 around.grid, around.blocks, around.ground_below_m, cfg.axis_enu
             )
         has_rooms = len(around.rooms) > 0

@@ -19,12 +19,12 @@ from flightsim.environment.movers import ObstacleStates
 from flightsim.environment.wind import WindCfg
 from flightsim.plant.cfg import NotAlignedError, PhysicsDivergedError, PlantCfg, PlantError
 from flightsim.plant.checks import check_worlds, normalised, unaligned
-from flightsim.plant.compiling import compile_kernels
+from flightsim.plant.compilation import compile_kernels
+from flightsim.plant.external_aids import ExternalAids
 from flightsim.plant.failures import Failures
 from flightsim.plant.handover import Handover
 from flightsim.plant.kernel import advance
 from flightsim.plant.memory import PlantMemory, new_memories
-from flightsim.plant.outside import OutsideAids
 from flightsim.plant.readings import EstimatorStatus, estimator_status
 from flightsim.plant.record import with_rotors
 from flightsim.plant.relocation import relocate
@@ -91,7 +91,7 @@ class Plant:
         """Latest reading of each sensor."""
         self.failures = Failures(self._record, self.sensors)
         """Switches that make parts of the vehicle fail."""
-        self.outside = OutsideAids(self._record, self._memory.tick_us)
+        self.outside = ExternalAids(self._record, self._memory.tick_us)
         """Input of fixes and poses that replace those of the vehicle's own sensors."""
         self.history = with_rotors(self._memory.history, n)
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""
@@ -236,7 +236,7 @@ class Plant:
         self._memory.setpoint_flat[:] = setpoint_row(setpoint)
         self._engine["has_new_setpoint"] = 1
 
-    def tell_room_below(self, room_m: float) -> None:
+    def set_room_below(self, room_m: float) -> None:
         """Pass the free height below the legs to the controller, m; 0 if it is unknown."""
         self._controller["room_below_m"] = room_m
 

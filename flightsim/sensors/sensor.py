@@ -28,7 +28,7 @@ _CLOCK_FIELDS = (
     ("rate_hz", "i8"),
     ("period_ticks", "i8"),
     ("is_enabled", "i8"),
-    ("is_replaced", "i8"),  # 1 if a client sends this instead (`flightsim.plant.outside`)
+    ("is_replaced", "i8"),  # 1 if a client sends this instead (`flightsim.plant.external_aids`)
     ("first_normal", "i8"),  # where its block begins among the plant's normals
     ("n_normals", "i8"),  # standard normals that a sample takes
     *FAILURE_FIELDS,

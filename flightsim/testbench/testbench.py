@@ -26,7 +26,7 @@ from flightsim.mavlink.server import MavlinkServer
 from flightsim.plant import Plant
 from flightsim.simulator import Controller, Observer, Server, Simulator
 from flightsim.testbench.cfg import MAX_INSTANCES, TestbenchCfg, TestbenchError
-from flightsim.testbench.remains import free_ended
+from flightsim.testbench.ended_vehicles import free_ended
 from flightsim.testbench.vehicle import Vehicle
 from flightsim.vehicles import Airframe, airframe_by_name
 from flightsim.vehicles.camera_options import with_cameras

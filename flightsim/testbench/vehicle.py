@@ -15,8 +15,8 @@ from flightsim.plant import Plant
 from flightsim.plant.timed_failures import FailureTimer, parse_failures
 from flightsim.simulator import Controller, Server
 from flightsim.testbench.cfg import TestbenchCfg, TestbenchError
+from flightsim.testbench.ended_vehicles import note_end
 from flightsim.testbench.own_stack import OwnStack
-from flightsim.testbench.remains import note_end
 
 
 class Vehicle:
@@ -137,6 +137,6 @@ class Vehicle:
 
     def close(self) -> None:
         """Close every link, and end the flight stack."""
-        # The plant stays in memory until the collector has run; see `remains`.
+        # The plant stays in memory until the collector has run; see `ended_vehicles`.
         self.stack.close()
         note_end(self.plant)

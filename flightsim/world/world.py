@@ -35,7 +35,7 @@ from flightsim.looks.movers import MoverSet
 from flightsim.looks.surfaces import Detail
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.builder import part_name, vehicle_name
-from flightsim.vehicles.touching import let_touch_each_other, let_touch_movers
+from flightsim.vehicles.contact_filter import enable_mover_contacts, enable_vehicle_contacts
 from flightsim.world.geometry import SurfaceProbe, add_solids
 from flightsim.world.ground import add_ground, add_ground_beyond
 from flightsim.world.rays import RayTree
@@ -237,9 +237,9 @@ def build_world(
         traffic = plan_traffic(traffic, scene, solids, probe.height_m, stands)
     movers = MoverSet(traffic)
     if len(vehicles) > 1:
-        let_touch_each_other(spec, len(vehicles))
+        enable_vehicle_contacts(spec, len(vehicles))
     if len(movers):
-        let_touch_movers(spec, len(vehicles))
+        enable_mover_contacts(spec, len(vehicles))
         movers.add_solids(spec)
     model = _compiled(spec, scene, airframes)
     _enable_sleep(model)

@@ -19,13 +19,13 @@ from scenarios.airsim.drawing_calls import DrawingCalls
 from scenarios.airsim.flyer import Flyer
 from scenarios.airsim.image_calls import ImageCalls
 from scenarios.airsim.methods import Methods, RpcError
-from scenarios.airsim.not_offered import NOT_OFFERED
 from scenarios.airsim.objects import Objects
 from scenarios.airsim.rangers import Rangers
 from scenarios.airsim.server import RpcServer, ServerError
 from scenarios.airsim.settings import PORT, AirsimSettings, VehicleSettings
 from scenarios.airsim.starts import stand
 from scenarios.airsim.state_calls import StateCalls
+from scenarios.airsim.unsupported import NOT_OFFERED
 from scenarios.airsim.weather import Weather, set_wind
 from scenarios.airsim.world_calls import WorldCalls
 

@@ -19,7 +19,7 @@ from scenarios.mission.mission import plan_mission
 from scenarios.mission.surroundings import MissionError
 from scenarios.pilot import Pilot
 from scenarios.run.companion import Aboard, Insight
-from scenarios.words.perceiving import perceived_areas
+from scenarios.words.perfect_perception import perceived_areas
 from scenarios.words.site import site_of
 from scenarios.words.vocabulary import NOUNS
 

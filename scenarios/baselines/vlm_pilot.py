@@ -28,7 +28,7 @@ from scenarios.baselines.vlm_answers import (
     schema,
 )
 from scenarios.chat.completions import ChatModel, ask_model
-from scenarios.pilot.eyes import NoDepthError, camera_mount, posed_image
+from scenarios.pilot.depth_frames import NoDepthError, camera_mount, posed_image
 from scenarios.run.companion import Aboard
 from scenarios.trials.verdict import Verdict
 

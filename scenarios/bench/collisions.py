@@ -22,7 +22,7 @@ import mujoco
 import numpy as np
 
 from flightsim.vehicles.builder import part_name
-from flightsim.vehicles.touching import STATIC_CONTACT_BIT
+from flightsim.vehicles.contact_filter import STATIC_CONTACT_BIT
 from flightsim.world import World
 
 LEAST_CHANGE = 0.05

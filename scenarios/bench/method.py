@@ -38,7 +38,7 @@ from aeroscene.learning.training.networks import new_denoiser
 from aeroscene.learning.training.paper_preset import paper_sampler
 from aeroscene.learning.training.presets import sections_from_plain
 from scenarios.bench.configs import BenchError, MethodBenchCfg
-from scenarios.bench.memorising import memorising_rows
+from scenarios.bench.memorisation import memorising_rows
 from scenarios.bench.row import OnProgress, Row, higher, lower
 
 NOISE_TO_SIGNAL = (30.0, 4.0, 1.0, 0.3, 0.1, 0.03, 0.01)

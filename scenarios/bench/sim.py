@@ -195,7 +195,7 @@ def _recorded(cfg: SimBenchCfg, scene: Scene, *, camera_hz: int) -> Row:
 def _equip(bench: Testbench, stack: ExitStack, camera_hz: int) -> Iterator[Observer]:
     """Yield observers that record a run to a temporary file."""
     from scenarios.recording import Recorder, RunInfo
-    from scenarios.run.watching import shutter
+    from scenarios.run.observation import shutter
 
     folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="aeroscene-")))
     cfg = bench.cfg

@@ -55,7 +55,7 @@ EXTERNAL = "mavlink"
 _KEPT_SAMPLERS = 2  # two vehicles of a scene by turns
 
 
-class Mishap(StrEnum):
+class NoFlightCode(StrEnum):
     """Code of a trial that had no flight to judge; codes of flights are `Code`s."""
 
     NO_TASK = "no_task"
@@ -260,20 +260,20 @@ class Flyer:
             row |= task.to_plain()
             row |= self._flown(task, recorded)
         except (NoTaskError, WorldError, TrafficError) as error:
-            row |= {"code": Mishap.NO_TASK.value, "reason": _one_line(error)}
+            row |= {"code": NoFlightCode.NO_TASK.value, "reason": _one_line(error)}
         # Other input errors concern the machine, so they end the campaign.
         except INPUT_ERRORS as error:
             if not isinstance(error.__cause__, MissionError):
                 raise
-            row |= failure(Mishap.NO_PLAN, _one_line(error))
+            row |= failure(NoFlightCode.NO_PLAN, _one_line(error))
         except SilentError as error:
-            row |= failure(Mishap.HUNG, _one_line(error))
+            row |= failure(NoFlightCode.HUNG, _one_line(error))
         except (CrashedError, ChatError) as error:
-            row |= failure(Mishap.RAISED, _one_line(error))
+            row |= failure(NoFlightCode.RAISED, _one_line(error))
         except Exception as error:  # noqa: BLE001 - a user's pilot may raise anything
             _LOG.info("trial %s", trial.id, exc_info=True)
             cause = (isinstance(error, PilotFaultError) and error.__cause__) or error
-            row |= failure(Mishap.RAISED, f"{type(cause).__name__}: {_one_line(cause)}")
+            row |= failure(NoFlightCode.RAISED, f"{type(cause).__name__}: {_one_line(cause)}")
         row["grade"] = grade(row)
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
 
@@ -309,7 +309,7 @@ class Flyer:
         return {
             **result.to_plain(),
             "spl": _spl(task, result),
-            **(failure(Mishap.HUNG, result.reason) if sitl.bench.fault else {}),
+            **(failure(NoFlightCode.HUNG, result.reason) if sitl.bench.fault else {}),
             "recording": None if sitl.missing else result.recording,
             "flown_enu_m": flown_enu_m,
             "progress": progress(
@@ -363,7 +363,7 @@ def blank_row(trial: Trial) -> Row:
     }
 
 
-def failure(code: Mishap, reason: str) -> Row:
+def failure(code: NoFlightCode, reason: str) -> Row:
     """Return the part of a row of a trial that failed without a flight to judge."""
     return {"success": False, "code": code.value, "reason": reason}
 

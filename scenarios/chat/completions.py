@@ -16,7 +16,7 @@ from urllib.parse import SplitResult, urlsplit
 
 import msgspec
 
-from scenarios.chat.posting import MOST_BYTES, Answer, posted
+from scenarios.chat.http_request import MOST_BYTES, Answer, posted
 
 KEY = "OPENAI_API_KEY"
 """Environment variable with the key that an endpoint may require."""

@@ -20,7 +20,7 @@ from aeroscene.ranges import Range
 from scenarios.campaigns.equipment import CameraHz, Equipment
 from scenarios.campaigns.recordings import RECORDINGS, Recordings
 from scenarios.cli.campaign_limits import MOST_TRIALS, MOST_WORKERS
-from scenarios.cli.campaign_news import CampaignNews
+from scenarios.cli.campaign_progress import CampaignProgress
 from scenarios.cli.command_line import (
     EXIT_DONE,
     EXIT_NEGATIVE,
@@ -168,9 +168,9 @@ def run(cfg: CampaignCfg) -> int:
 
 def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
     """Return true if the pilot or its process failed in every trial, so that none is scored."""
-    from scenarios.campaigns.flyer import Mishap
+    from scenarios.campaigns.flyer import NoFlightCode
 
-    mishaps = {Mishap.RAISED.value, Mishap.HUNG.value, Mishap.DIED.value}
+    mishaps = {NoFlightCode.RAISED.value, NoFlightCode.HUNG.value, NoFlightCode.DIED.value}
     return bool(summary["codes"]) and mishaps.issuperset(summary["codes"])
 
 
@@ -185,7 +185,9 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
         sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
         # The rate that the bar shows is of the whole campaign, earlier runs of it included.
         known = read_results(cfg.out, ["success"])["success"].to_pylist()
-        news = CampaignNews(cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal)
+        news = CampaignProgress(
+            cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal
+        )
         with _engine(cfg, suite) as engine, progress_bar("", len(left), "trials") as advance:
             rows = campaign.fly(left, engine, workers=cfg.workers, patience_s=cfg.patience)
             for row in rows:

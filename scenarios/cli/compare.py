@@ -50,7 +50,7 @@ def run(cfg: CompareCfg) -> int:
     from scenarios.campaigns.campaign import CampaignError
     from scenarios.campaigns.store import StoreError
     from scenarios.reports.page import telling_groups, write_page
-    from scenarios.reports.paired import CompareError, compare
+    from scenarios.reports.paired_comparison import CompareError, compare
 
     try:
         found = compare(cfg.first, cfg.second)

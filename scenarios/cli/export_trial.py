@@ -75,7 +75,7 @@ def run(cfg: ExportTrialCfg) -> int:
 
 
 def _write_one(cfg: ExportTrialCfg) -> dict[str, Any]:
-    from scenarios.trial_data.left_out import left_out
+    from scenarios.trial_data.omissions import left_out
     from scenarios.trial_data.reading import read_trial
 
     if len(cfg.recordings) != 1:
@@ -124,7 +124,7 @@ def _add_all(cfg: ExportTrialCfg) -> dict[str, Any]:
     """
     from scenarios.recording.summary import UnreadableRecordingError
     from scenarios.trial_data.dataset.write import add_trial, has_trial
-    from scenarios.trial_data.left_out import left_out
+    from scenarios.trial_data.omissions import left_out
     from scenarios.trial_data.reading import TrialDataError, read_trial
 
     files = _files(cfg.recordings)

@@ -21,15 +21,15 @@ from scenarios.cli.generate_district import district_requests, run_districts
 from scenarios.cli.generate_prompt import print_understood, prompt_wishes, prompted
 from scenarios.cli.generate_words import print_generated
 from scenarios.cli.progress import progress_bar
-from scenarios.generation.asked import (
+from scenarios.generation.prompts.parsing.prompt_reader import plain
+from scenarios.generation.prompts.wishes import Wishes
+from scenarios.generation.text_options import (
     GenerateError,
     asked_areas,
     asked_region,
     outline_sides_m,
 )
-from scenarios.generation.prompts.parsing.reading import plain
-from scenarios.generation.prompts.wishes import Wishes
-from scenarios.generation.worst import ORDER, Flight, Tries, worst_first
+from scenarios.generation.worst_scenes import ORDER, Flight, Tries, worst_first
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generator, Request

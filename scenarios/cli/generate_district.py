@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE
 from scenarios.cli.generate_words import print_generated
 from scenarios.cli.progress import progress_bar
-from scenarios.generation.asked import GenerateError, asked_areas, outline_sides_m
 from scenarios.generation.districts import (
     district_request,
     is_district,
     make_districts,
     require_alone,
 )
+from scenarios.generation.text_options import GenerateError, asked_areas, outline_sides_m
 
 if TYPE_CHECKING:
     from aeroscene.corpus.districts.request import DistrictRequest

@@ -7,10 +7,10 @@ from dataclasses import Field, fields, replace
 from typing import Any, ClassVar, Protocol, TypeVar
 
 from scenarios.cli.terminal import styled, terminal
-from scenarios.generation.asked import GenerateError
 from scenarios.generation.prompts.parsing import read_prompt
 from scenarios.generation.prompts.understanding import Themes, Understanding, understood
 from scenarios.generation.prompts.wishes import PromptError, Wishes
+from scenarios.generation.text_options import GenerateError
 
 _BESIDE = (
     "domain",

@@ -15,7 +15,7 @@ from scenarios.cli.terminal import styled, terminal
 
 if TYPE_CHECKING:
     from scenarios.generation.draws import Tally
-    from scenarios.generation.got import Got
+    from scenarios.generation.wish_outcomes import Got
 
 _PROG = "aeroscene generate"
 _MOST_ROWS = 20

@@ -16,7 +16,7 @@ from rich.table import Table
 from aeroscene.files.names import file_name
 from aeroscene.layouts.document import LayoutError, NeutralLayout
 from aeroscene.layouts.mapping import MappingReport
-from aeroscene.layouts.reading import read_layouts
+from aeroscene.layouts.reader import read_layouts
 from aeroscene.scene import SceneError
 from aeroscene.scene.io import write_scene
 from aeroscene.sources import is_map

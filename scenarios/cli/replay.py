@@ -133,7 +133,7 @@ def _line(listed: Listed) -> str:
 
 
 def _draw(recording: Path, folder: Path, formats: Sequence[PictureFormat]) -> None:
-    from scenarios.pictures.recorded import read_story
+    from scenarios.pictures.recorded_story import read_story
     from scenarios.pictures.story import PictureError
 
     try:

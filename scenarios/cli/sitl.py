@@ -27,7 +27,7 @@ from scenarios.cli.command_line import (
     raise_if_interrupted,
 )
 from scenarios.cli.entry import lasting
-from scenarios.cli.repeated import gathered
+from scenarios.cli.repeated_options import gathered
 from scenarios.cli.sitl_words import announce, print_results
 from scenarios.cli.status_line import StatusLine
 from scenarios.cli.terminal import Terminal, terminal

@@ -19,7 +19,7 @@ from scenarios.cli.command_line import (
 )
 from scenarios.cli.train_options import TrainCfg
 from scenarios.cli.training_bar import TrainingBar, training_bar
-from scenarios.cli.training_plan import require_usable, say_what_lacks, training_plan
+from scenarios.cli.training_plan import require_usable, training_plan, warn_of_missing_scenes
 
 if TYPE_CHECKING:
     from aeroscene.learning.training.checkpoint_facts import Part
@@ -50,7 +50,7 @@ def run(cfg: TrainCfg) -> int:
         with _asked_to_stop() as stop:
             state = None if head is None else read_state(cfg.out / STATE)
             plan = training_plan(cfg, head)
-            say_what_lacks(cfg.data)
+            warn_of_missing_scenes(cfg.data)
             with training_bar() as bar:
                 training = Training(plan, _Watcher(bar, stop))
                 is_done = training.run(state)

@@ -242,7 +242,7 @@ def _read_data(
         )
 
 
-def say_what_lacks(path: Path) -> None:
+def warn_of_missing_scenes(path: Path) -> None:
     """Report on standard error how many scenes a corpus lacks, if it lacks any.
 
     Args:

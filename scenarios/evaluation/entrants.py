@@ -15,8 +15,8 @@ import numpy as np
 
 from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.baselines.model import BaselineCfg
-from aeroscene.learning.baselines.named import METHODS, Fitted, fit
 from aeroscene.learning.baselines.presets import FittedPreset, fit_preset, shipped_preset, without
+from aeroscene.learning.baselines.registry import METHODS, Fitted, fit
 from aeroscene.learning.program import DecodingCfg, EncodingCfg
 from aeroscene.learning.training.config import Preset
 from aeroscene.learning.training.course import Watcher

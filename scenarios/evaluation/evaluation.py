@@ -20,7 +20,7 @@ import numpy as np
 from aeroscene.files import replacing
 from aeroscene.learning.baselines.fitting import Lessons, Spent
 from aeroscene.learning.baselines.model import BaselineCfg
-from aeroscene.learning.baselines.named import Fitted
+from aeroscene.learning.baselines.registry import Fitted
 from aeroscene.learning.training.config import Budget
 from aeroscene.learning.training.journal import held_out_losses, least_held_out_at
 from aeroscene.metrics.appearance.features import FeatureNetwork
@@ -199,7 +199,7 @@ class Evaluation:
 
     def _fly(self, drawer: Drawer, draws: Sequence[Draw], tell: OnProgress) -> None:
         from scenarios.baselines.named import pilot_of
-        from scenarios.generation.worst import fly
+        from scenarios.generation.worst_scenes import fly
 
         for number, draw in enumerate(draws):
             if self._wants_stop():

@@ -144,10 +144,10 @@ class Judge:
             for metric in (name, kernel)
         }
         own = {key: figures[key] for key in self.metrics() if key in figures}
-        return means | own | {"SCA": told_apart(pictures, self.pictures, rng)}
+        return means | own | {"SCA": classification_accuracy(pictures, self.pictures, rng)}
 
 
-def told_apart(
+def classification_accuracy(
     pictures: Float[np.ndarray, "n views f"],
     reference: Float[np.ndarray, "m views f"],
     rng: np.random.Generator,

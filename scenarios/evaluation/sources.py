@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Literal
 
 from aeroscene.corpus.dataset import open_dataset
-from aeroscene.layouts.kept import count_layouts, mapped_scenes
 from aeroscene.layouts.mapping import match, unknown_category
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.neutral_format import read_neutral
+from aeroscene.layouts.scene_cache import count_layouts, mapped_scenes
 from aeroscene.metrics.appearance.frechet import LEAST_PICTURES
 from aeroscene.scene import Scene, SceneError
 from aeroscene.scene.io import scene_to_json

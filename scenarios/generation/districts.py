@@ -15,8 +15,8 @@ from aeroscene.corpus.districts.request import SIDE_M, DistrictError, DistrictRe
 from aeroscene.learning.wishes import OBJECTS, OUTLINE_M
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.catalogue import BUILDINGS, ROOMS
-from scenarios.generation.asked import GenerateError
-from scenarios.generation.got import Got
+from scenarios.generation.text_options import GenerateError
+from scenarios.generation.wish_outcomes import Got
 
 if TYPE_CHECKING:
     from scenarios.generation.draws import Tally

@@ -21,7 +21,8 @@ from aeroscene.files.names import file_name
 from aeroscene.metrics.collision import collision_rate
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.io import write_scene
-from scenarios.generation.got import (
+from scenarios.generation.prompts.wishes import Count
+from scenarios.generation.wish_outcomes import (
     Got,
     beside_demands,
     beside_wishes,
@@ -30,7 +31,6 @@ from scenarios.generation.got import (
     with_demands,
     with_measures,
 )
-from scenarios.generation.prompts.wishes import Count
 
 if TYPE_CHECKING:
     from aeroscene.learning.generation import Generated, Generator, Request

@@ -108,14 +108,14 @@ def measure_difficulty(scene: Scene, airframe: Airframe) -> Difficulty:
     Raises:
         MissionError: If the vehicle cannot leave the start, or no area can be flown to.
     """
-    ways = measure_ways(scene, airframe)
+    ways = measure_paths(scene, airframe)
     if not ways:
         raise MissionError(f"scene {scene.scene_id}: no landing area can be flown to")
     medians = {name: float(np.median([getattr(way, name) for way in ways])) for name in THIRDS}
     return Difficulty(n_ways=len(ways), way=Way(**medians))
 
 
-def measure_ways(scene: Scene, airframe: Airframe) -> list[Way]:
+def measure_paths(scene: Scene, airframe: Airframe) -> list[Way]:
     """Plan to the areas of `rank_areas`, best first, and measure the first paths found.
 
     Returns:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from aeroscene.scene import Scene
-from aeroscene.solids.field_cache import kept_distance_field, kept_wide_field
+from aeroscene.solids.field_cache import cached_distance_field, cached_wide_field
 from aeroscene.solids.freespace import reachable, start_cell
 from aeroscene.solids.shapes import Primitive, scene_primitives
 from aeroscene.solids.wide_field import is_wide
@@ -40,7 +40,7 @@ def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap | 
     primitives = scene_primitives(scene)
     if is_wide(scene, resolution_m):
         return _wide_map(scene, radius_m, resolution_m, primitives)
-    voxels = kept_distance_field(scene, resolution_m, primitives)
+    voxels = cached_distance_field(scene, resolution_m, primitives)
     return GivenMap(
         obstacles=scene_obstacles(scene, primitives),
         field=distance_field(voxels),
@@ -51,11 +51,11 @@ def given_map(scene: Scene, radius_m: float, resolution_m: float) -> GivenMap | 
 def _wide_map(
     scene: Scene, radius_m: float, resolution_m: float, primitives: Sequence[Primitive]
 ) -> WideMap:
-    wide = kept_wide_field(scene, resolution_m, primitives)
+    wide = cached_wide_field(scene, resolution_m, primitives)
     wide.build_about(np.array([scene.start_position_enu_m]), 0.0)
     # Only for its error: the cell must have room for the vehicle.
     start_cell(wide.field, scene.start_position_enu_m, radius_m)
-    coarse = kept_distance_field(scene, _COARSE_CELLS * resolution_m, primitives)
+    coarse = cached_distance_field(scene, _COARSE_CELLS * resolution_m, primitives)
     return WideMap(
         obstacles=scene_obstacles(scene, primitives),
         field=distance_field(wide.field),

@@ -36,7 +36,7 @@ from autonomy.planning.openings import Opening
 from autonomy.types import FlatReference, Vector3
 from flightsim.vehicles.airframe import Airframe
 from scenarios.mission import legs
-from scenarios.mission.hovering import hover_columns, slanting_lines
+from scenarios.mission.hover_points import hover_columns, slanting_lines
 from scenarios.mission.maps import given_map, unseen_map
 
 FIELD_RESOLUTION_M = 0.25

@@ -1,7 +1,7 @@
 """Pictures of a flight: planned and flown paths over the scene, and the ground of the landing.
 
-A flight that just ended (`tape.FlightTape`) and a recording (`recorded.read_story`) both give a
-`FlightStory`, and `draw_pictures` draws it. Both sources therefore give the same pictures. Only
+A flight that just ended (`tape.FlightTape`) and a recording (`recorded_story.read_story`) both give
+a `FlightStory`, and `draw_pictures` draws it. Both sources therefore give the same pictures. Only
 this package knows matplotlib.
 """
 

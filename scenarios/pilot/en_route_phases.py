@@ -13,13 +13,13 @@ import math
 from autonomy.planning import BlockedError, PlanningError, UnreachableError
 from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
+from scenarios.pilot.final_descent import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
 from scenarios.pilot.flight_state import SET_OUT_M, FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_phases import LandingPhases
-from scenarios.pilot.last_stretch import COMMIT_HEIGHTS_M, LAST_HEIGHT_M
 from scenarios.pilot.phases import Phase, Replan, Step
+from scenarios.pilot.return_path import is_return_path_free
 from scenarios.pilot.take_over import state_at_take_over
-from scenarios.pilot.way_home import is_way_home_free
 
 _LOG = logging.getLogger(__name__)
 
@@ -156,7 +156,7 @@ class EnRoutePhases:
             habits, world = flight.client.habits, flight.mission.surroundings
             here, home = flight.telemetry.position_enu_m, flight.mission.takeoff_enu_m
             # Without a position no return finds home.
-            returns = not flight.senses.is_adrift and is_way_home_free(world, here, home)
+            returns = not flight.senses.is_adrift and is_return_path_free(world, here, home)
             mode = habits.return_home if returns else habits.land_here
             _LOG.info("left to the autopilot, to %s", "return" if returns else "land here")
             flight.commands = [flight.client.set_mode(mode)]

@@ -18,7 +18,6 @@ from flightsim.mavlink.client.client import Command, MavlinkClient
 from flightsim.mavlink.client.telemetry import Telemetry
 from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
-from scenarios.pilot.following import Following
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.landing_watch import LandingWatch
 from scenarios.pilot.movers import (
@@ -30,6 +29,7 @@ from scenarios.pilot.movers import (
 from scenarios.pilot.pace import IN_WIND, USUAL, WINDY_MPS, Pace
 from scenarios.pilot.phases import Phase, Replan
 from scenarios.pilot.senses import Senses
+from scenarios.pilot.tracking_statistics import Following
 
 PLANNING_TIME_S = 0.1
 """Delay until a plan made in flight takes over: the computing time of an onboard computer.

@@ -14,12 +14,12 @@ import numpy as np
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import Vector3
 from scenarios.pilot.en_route_phases import EnRoutePhases
+from scenarios.pilot.final_descent import LastStretch
 from scenarios.pilot.flight_state import FlightState
-from scenarios.pilot.following import MOST_STRAY_M, USUAL_STRAY_M
-from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
 from scenarios.pilot.take_over import state_at_take_over
+from scenarios.pilot.tracking_statistics import MOST_STRAY_M, USUAL_STRAY_M
 
 SILENCE_S = 0.5
 """Time without a new position after which the position is unknown."""

@@ -13,16 +13,16 @@ from typing import Protocol
 
 from aeroscene.scene import InteractionArea
 from autonomy.planning import PlanningError
-from scenarios.pilot.eyes import NoDepthError
-from scenarios.pilot.flight_state import FlightState
-from scenarios.pilot.landing_watch import CAMERA, LandingWatch
-from scenarios.pilot.last_stretch import (
+from scenarios.pilot.depth_frames import NoDepthError
+from scenarios.pilot.final_descent import (
     CARRIED_OFF_M,
     COMMIT_HEIGHTS_M,
     steady_within,
 )
-from scenarios.pilot.look_again import look_from_below, look_nearer
+from scenarios.pilot.flight_state import FlightState
+from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 from scenarios.pilot.phases import Phase, Step
+from scenarios.pilot.second_look import look_from_below, look_nearer
 
 _LOG = logging.getLogger(__name__)
 
@@ -42,7 +42,7 @@ MAX_BLIND_FRAMES = 5
 """Number of consecutive images without depth after which the pilot holds."""
 
 
-class WaysOut(Protocol):
+class Fallbacks(Protocol):
     """Actions for an area that allows no landing now."""
 
     def hold(self, reason: str) -> Step:
@@ -58,10 +58,10 @@ class LandingPhases:
     """Flies the phases above and on the area.
 
     Attributes:
-        ways_out: Called when the area is left without a landing.
+        fallbacks: Called when the area is left without a landing.
     """
 
-    ways_out: WaysOut
+    fallbacks: Fallbacks
 
     def __init__(self, flight: FlightState) -> None:
         self._flight = flight
@@ -86,7 +86,7 @@ class LandingPhases:
             area = flight.alternates.pop(0)
             if self._set_out_for(area):
                 return Phase.NAVIGATE, f"{reason}; on to area {area.id}"
-        return self.ways_out.go_home(reason)
+        return self.fallbacks.go_home(reason)
 
     def _set_out_for(self, area: InteractionArea) -> bool:
         flight = self._flight
@@ -223,7 +223,7 @@ class LandingPhases:
         try:
             flight.plan_to((x, y, max(z, flight.hover_enu_m[2])))
         except PlanningError as error:
-            return self.ways_out.hold(f"{reason}; {error}")
+            return self.fallbacks.hold(f"{reason}; {error}")
         return Phase.CLIMB, reason
 
     def _see(self, watch: LandingWatch) -> bool:
@@ -246,7 +246,7 @@ class LandingPhases:
         if n_blind < MAX_BLIND_FRAMES:
             return None
         watch.n_blind = 0
-        return self.ways_out.hold(f"camera {CAMERA} measured nothing in {n_blind} images")
+        return self.fallbacks.hold(f"camera {CAMERA} measured nothing in {n_blind} images")
 
     def _watching(self) -> LandingWatch:
         assert self._flight.watch is not None

@@ -23,14 +23,14 @@ from autonomy.types import FlatReference, Vector3
 from flightsim.mavlink.client.client import MavlinkClient
 from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
+from scenarios.pilot.depth_frames import Frames
 from scenarios.pilot.en_route_phases import EnRoutePhases
-from scenarios.pilot.eyes import Frames
+from scenarios.pilot.final_descent import LastStretch
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground_phases import GroundPhases
 from scenarios.pilot.guard import Guard
 from scenarios.pilot.landing_phases import LandingPhases
-from scenarios.pilot.last_stretch import LastStretch
 from scenarios.pilot.pace import AMONG_MOVERS, USUAL
 from scenarios.pilot.phases import (
     FOLLOWS,
@@ -102,7 +102,7 @@ class Pilot:
         self._ground, area = GroundPhases(flight), LandingPhases(flight)
         way = EnRoutePhases(flight, area)
         # Set afterwards: each of the two needs the other.
-        area.ways_out = way
+        area.fallbacks = way
         stretch = LastStretch(flight)
         self._guard = Guard(flight, way, stretch)
         self.phase = Phase.CONNECT

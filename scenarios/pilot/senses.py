@@ -21,7 +21,7 @@ from autonomy.rotation import quat_from_rotation_vector, quat_multiply
 from autonomy.types import FlatReference, Quaternion, Vector3
 from flightsim.mavlink.client.telemetry import Telemetry
 from scenarios.mission.surroundings import Surroundings
-from scenarios.pilot.eyes import Frames, NoDepthError, camera_mount, may_show, posed_image
+from scenarios.pilot.depth_frames import Frames, NoDepthError, camera_mount, may_show, posed_image
 from scenarios.pilot.trust import Trust
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ Only this package knows rerun, so that another format, or a new version of rerun
 else.
 """
 
-from scenarios.recording import quiet  # noqa: F401 - before anything that loads rerun
+from scenarios.recording import rerun_logging  # noqa: F401 - before anything that loads rerun
 from scenarios.recording.metadata import RunInfo
 from scenarios.recording.output import RecordingError
 from scenarios.recording.recorder import Recorder

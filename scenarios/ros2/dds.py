@@ -28,7 +28,7 @@ from scenarios.ros2.transport import (
     Service,
     TransportError,
 )
-from scenarios.ros2.untyped import require_known_version, without_structure
+from scenarios.ros2.untyped_endpoints import require_known_version, without_structure
 
 _LOG = logging.getLogger(__name__)
 _MOST_AT_ONCE = 100

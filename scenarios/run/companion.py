@@ -16,7 +16,7 @@ from aeroscene.scene import InteractionArea, Scene
 from flightsim.lidars import LidarScan
 from flightsim.mavlink.client import BytePipe, MavlinkClient
 from flightsim.vehicles import Airframe
-from scenarios.pilot.eyes import DepthFrame
+from scenarios.pilot.depth_frames import DepthFrame
 from scenarios.trials.verdict import Word
 from scenarios.words.goal import Description
 

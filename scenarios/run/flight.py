@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from aeroscene.scene import InteractionArea
 from flightsim.cameras import Cameras
 from flightsim.testbench import Testbench, Vehicle
-from scenarios.run.announcing import announce_goal
 from scenarios.run.cfg import SitlCfg
+from scenarios.run.goal_announcement import announce_goal
 from scenarios.run.hangar import Hangar
 from scenarios.run.missions import new_pilot
 from scenarios.run.schedule import Schedule
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from scenarios.pictures.tape import FlightTape
     from scenarios.pilot import Pilot
     from scenarios.run.companion import Aboard, Companion
-    from scenarios.words.drawing import WordGoal
+    from scenarios.words.goal_drawing import WordGoal
 
 
 class Flight:

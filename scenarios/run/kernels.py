@@ -30,7 +30,7 @@ from flightsim.plant.rays import RAYS_DTYPE, cast_rays
 from flightsim.vehicles.catalogue import airframe_by_name
 from scenarios.mission.mission import Mission, plan_mission
 from scenarios.mission.surroundings import MapSource
-from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.depth_frames import camera_mount, posed_image
 from scenarios.pilot.landing_watch import CAMERA, LandingWatch
 
 PILOT_MODULES = (
@@ -48,7 +48,7 @@ PILOT_MODULES = (
     "autonomy.planning.feasibility",
     "autonomy.planning.search",
     "autonomy.planning.solids",
-    "autonomy.planning.widest",
+    "autonomy.planning.widest_path",
 )
 """Modules with kernels that only our own pilot uses."""
 EXPLORING_MODULES = (

@@ -18,8 +18,8 @@ from scenarios.run.cfg import SitlCfg
 if TYPE_CHECKING:
     from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
-    from scenarios.pilot.eyes import Frames
-    from scenarios.words.drawing import WordGoal
+    from scenarios.pilot.depth_frames import Frames
+    from scenarios.words.goal_drawing import WordGoal
 
 _APART_M = 4.0
 """Least distance between the areas of two vehicles, and from the start of another one."""
@@ -89,7 +89,7 @@ def plan_to_words(cfg: SitlCfg, vehicle: Vehicle, goal: WordGoal) -> Mission:
     Raises:
         TestbenchError: If none of the areas can be flown to.
     """
-    from scenarios.words.perceiving import perceived_areas
+    from scenarios.words.perfect_perception import perceived_areas
 
     fault: TestbenchError | None = None
     areas = perceived_areas(vehicle.scene, goal.description, vehicle.airframe)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from scenarios.recording import Recorder
     from scenarios.recording.viewer import Viewer
     from scenarios.run.companion import Aboard, Companion
-    from scenarios.words.drawing import WordGoal
+    from scenarios.words.goal_drawing import WordGoal
 
 _LOG = logging.getLogger(__name__)
 
@@ -123,7 +123,7 @@ class Sitl:
             )
             self.flights = self._open_flights(hangar, area, pilot)
             if cfg.record is not None or cfg.viewer != "off":
-                from scenarios.run.watching import watch
+                from scenarios.run.observation import watch
 
                 self.recorder, self.viewer = watch(cfg, self.bench, self.flights, stack)
             if cfg.ros2:
@@ -185,7 +185,7 @@ class Sitl:
         cfg = self.cfg
         if cfg.goal == "area":
             return None
-        from scenarios.words.choosing import choose_goal
+        from scenarios.words.goal_choice import choose_goal
 
         return choose_goal(scene, airframe, asked=cfg.goal, seed=cfg.bench.seed, area=area)
 

@@ -14,12 +14,12 @@ import numpy as np
 from jaxtyping import Float
 
 from aeroscene.scene import Scene
-from aeroscene.solids.field_cache import kept_distance_field
+from aeroscene.solids.field_cache import cached_distance_field
 from aeroscene.solids.freespace import NoFreeSpaceError
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.wide_field import is_wide
 from autonomy.mapping import WideMap
-from autonomy.mapping.coarse_way import SEARCH_EXCESS
+from autonomy.mapping.coarse_path import SEARCH_EXCESS
 from autonomy.mapping.wide_map import FAR_M
 from autonomy.planning import DistanceField, Obstacles, PlanningError
 from autonomy.planning.corridor import straighten
@@ -69,7 +69,7 @@ class Reach:
         if is_wide(scene, FIELD_RESOLUTION_M):
             return cls._of_wide(scene, sphere_radius_m(airframe))
         primitives = scene_primitives(scene)
-        voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
+        voxels = cached_distance_field(scene, FIELD_RESOLUTION_M, primitives)
         return cls(
             field=distance_field(voxels),
             obstacles=scene_obstacles(scene, primitives),

@@ -21,7 +21,7 @@ from flightsim.testbench import TestbenchCfg, TestbenchError
 from scenarios.mission.goals import Target
 from scenarios.mission.surroundings import MapSource
 from scenarios.tasks.drawn_failures import require_failures
-from scenarios.tasks.way import GRADES, Grade
+from scenarios.tasks.path_difficulty import GRADES, Grade
 from scenarios.trials.limits import LIMITS
 
 _MOST_DRAWS = 100

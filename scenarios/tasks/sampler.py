@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple, TypeVar
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
-from aeroscene.solids.field_cache import kept_distance_field
+from aeroscene.solids.field_cache import cached_distance_field
 from aeroscene.solids.shapes import scene_primitives
 from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import Vector3
@@ -27,19 +27,19 @@ from scenarios.mission.goals import draw_goals, fitting_areas, is_indoor
 from scenarios.mission.obstacles import distance_field, scene_obstacles
 from scenarios.mission.surroundings import FIELD_RESOLUTION_M
 from scenarios.tasks.drawn_failures import draw_failures
+from scenarios.tasks.path_difficulty import (
+    GRADES,
+    Grade,
+    PathFigures,
+    least_navigation_s,
+    measure_path,
+)
 from scenarios.tasks.reach import NoTaskError, Reach
 from scenarios.tasks.recipe import Range, Recipe
 from scenarios.tasks.task import Task
-from scenarios.tasks.way import (
-    GRADES,
-    Grade,
-    WayFigures,
-    least_navigation_s,
-    measure_way,
-)
-from scenarios.words.choosing import fitting
-from scenarios.words.drawing import WordGoal, draw_goal
 from scenarios.words.goal import Grade as GoalGrade
+from scenarios.words.goal_choice import fitting
+from scenarios.words.goal_drawing import WordGoal, draw_goal
 
 _MOST_DRAWS = 60
 """Draws of a start and an area for one trial, including pairs that no free space joins."""
@@ -96,7 +96,7 @@ class Sampler:
         """Place of the vehicle's sphere above each start; None if it cannot stand there, or not
         rise."""
         self._goals: dict[tuple[int, _Asked], WordGoal | None] = {}
-        self._ways: dict[tuple[Vector3, int], WayFigures | None] = {}
+        self._ways: dict[tuple[Vector3, int], PathFigures | None] = {}
 
     def task(self, trial: int) -> Task:
         """Return the task of a trial by its number.
@@ -159,7 +159,7 @@ class Sampler:
             raise NoTaskError(f"{self._airframe.name}: {error}") from None
         return failures
 
-    def _navigation_limit_s(self, way: WayFigures) -> float | None:
+    def _navigation_limit_s(self, way: PathFigures) -> float | None:
         within = self._recipe.navigation_within
         if within is None:
             return None
@@ -167,11 +167,11 @@ class Sampler:
 
     def _draw_way(
         self, trial: int, rng: np.random.Generator, asked: _Asked | None
-    ) -> tuple[_Start, InteractionArea, WayFigures]:
+    ) -> tuple[_Start, InteractionArea, PathFigures]:
         """Draw start, area and path: of the grade whose turn it is, else the nearest to it."""
         # Grades by turns, so that any first trials of a scene have all of them.
         wanted = self._recipe.difficulty[trial % len(self._recipe.difficulty)]
-        found: list[tuple[_Start, InteractionArea, WayFigures]] = []
+        found: list[tuple[_Start, InteractionArea, PathFigures]] = []
         for _ in range(_MOST_DRAWS):
             start, seed = self._draw_start(rng), int(rng.integers(_SEEDS))
             area = None if start is None else self._draw_area(start, seed, asked)
@@ -241,7 +241,7 @@ class Sampler:
 
     def _nearest_way(
         self, start: _Start, area: InteractionArea, asked: _Asked | None
-    ) -> tuple[InteractionArea, WayFigures] | None:
+    ) -> tuple[InteractionArea, PathFigures] | None:
         """Return the area with the shortest path among those on which a landing is a success."""
         goal = None if asked is None else self._goal(area, asked)
         areas = [area] if goal is None else goal.areas
@@ -258,21 +258,21 @@ class Sampler:
     def _side(self, area: InteractionArea) -> Side:
         return "indoor" if is_indoor(self._scene, area) else "outdoor"
 
-    def _way(self, start: Vector3, area: InteractionArea) -> WayFigures | None:
+    def _way(self, start: Vector3, area: InteractionArea) -> PathFigures | None:
         """Return the figures of the path from a start to an area; None if there is none."""
         key = (start, area.id)
         if key not in self._ways:
             self._ways[key] = self._measured(start, area)
         return self._ways[key]
 
-    def _measured(self, start: Vector3, area: InteractionArea) -> WayFigures | None:
+    def _measured(self, start: Vector3, area: InteractionArea) -> PathFigures | None:
         begin, end = self._place(start), self._reach.place_above(area.centroid)
         corners = None if begin is None or end is None else self._reach.way(begin, end)
         if corners is None:
             return None
         if (wide := self._reach.wide) is not None:
-            return measure_way(self._reach, corners, wide.openings_about)
-        return measure_way(self._reach, corners, lambda _: _openings(self._scene))
+            return measure_path(self._reach, corners, wide.openings_about)
+        return measure_path(self._reach, corners, lambda _: _openings(self._scene))
 
     def _place(self, start: Vector3) -> Vector3 | None:
         """The place of the sphere above a start; None if it cannot stand there, or not rise."""
@@ -294,7 +294,7 @@ class Sampler:
 def _openings(scene: Scene) -> Sequence[Opening]:
     """Return the openings of a scene; kept, because they take seconds and serve all vehicles."""
     primitives = scene_primitives(scene)
-    voxels = kept_distance_field(scene, FIELD_RESOLUTION_M, primitives)
+    voxels = cached_distance_field(scene, FIELD_RESOLUTION_M, primitives)
     return find_openings(distance_field(voxels), scene_obstacles(scene, primitives))
 
 

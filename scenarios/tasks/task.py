@@ -15,7 +15,7 @@ from flightsim.testbench import TestbenchCfg
 from flightsim.vehicles import airframe_by_name
 from scenarios.mission.surroundings import MapSource
 from scenarios.run.cfg import SitlCfg
-from scenarios.tasks.way import WayFigures, least_navigation_s
+from scenarios.tasks.path_difficulty import PathFigures, least_navigation_s
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,7 +59,7 @@ class Task:
     """Parts that fail in flight and when, as `aeroscene sitl --fail` has them."""
     navigation_limit_s: float | None
     """Time after lift-off in which it must have come above its area; None for any."""
-    way: WayFigures
+    way: PathFigures
     """Figures of the shortest path, and the grade that follows from them."""
 
     @property

@@ -112,11 +112,11 @@ class Site:
         self._gaps_m: dict[int, Float[np.ndarray, " n"]] = {}
         self.hosts = [place for place in self.places if place.kind in HOSTS]
         self.heads: dict[int, list[Description]] = {}
-        """Descriptions without relations that fit each place, kept by `drawing`."""
+        """Descriptions without relations that fit each place, kept by `goal_drawing`."""
         self.fits: dict[Description, Mapping[Place, Truth]] = {}
-        """Results of `fitting.fits`."""
+        """Results of `grounding.fits`."""
         self.holds: dict[Link, dict[int, Truth]] = {}
-        """Outcomes of relations, by the number of the place, kept by `fitting`."""
+        """Outcomes of relations, by the number of the place, kept by `grounding`."""
 
     def of_kind(self, kind: str) -> Sequence[Place]:
         """Return the places of a kind, in the order of the objects."""

@@ -1,7 +1,7 @@
 """Words for the objects of a scene: nouns of kinds, adjectives of colours and forms.
 
 A reader may take one kind for another: a house is a building, and a crate is a box. Such kinds and
-colours are listed as pairs. They are neither the same nor surely different, so `fitting` answers
+colours are listed as pairs. They are neither the same nor surely different, so `grounding` answers
 "maybe", and no text depends on the difference.
 """
 

@@ -13,7 +13,7 @@ import numpy as np
 from measuring.configs import GrowBenchCfg
 from measuring.plan_pairs import SHIPPED_SCENES
 from scenarios.bench.row import OnProgress, Row, higher, lower
-from scenarios.campaigns.flyer import Flyer, Mishap, Suite, Trial
+from scenarios.campaigns.flyer import Flyer, NoFlightCode, Suite, Trial
 from scenarios.campaigns.flyer import Row as TrialRow
 from scenarios.tasks.recipe import Recipe
 
@@ -64,7 +64,7 @@ def _flown(cfg: GrowBenchCfg, flyer: Flyer) -> Iterator[TrialRow]:
             return
         row = flyer.fly(Trial(str(number % SHIPPED_SCENES), cfg.vehicle, 0))
         number += _STEP
-        if row["code"] in (Mishap.NO_TASK, Mishap.NO_PLAN):
+        if row["code"] in (NoFlightCode.NO_TASK, NoFlightCode.NO_PLAN):
             continue
         n_flown += 1
         if n_flown:

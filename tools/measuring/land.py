@@ -36,7 +36,7 @@ from measuring.plan_pairs import scene_numbers
 from scenarios.bench.row import OnProgress, Row, higher, lower
 from scenarios.mission.mission import rank_areas
 from scenarios.mission.surroundings import MissionError, Surroundings, survey
-from scenarios.pilot.eyes import camera_mount
+from scenarios.pilot.depth_frames import camera_mount
 from scenarios.pilot.landing_watch import PERCHING_SCATTER_M, SCATTER_M, landing_needs
 from scenarios.trials.result import TrialResult
 

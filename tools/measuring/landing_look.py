@@ -22,7 +22,7 @@ from flightsim.cameras.view import PosedDepth
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.world import World
 from scenarios.mission.surroundings import Surroundings
-from scenarios.pilot.eyes import camera_mount, posed_image
+from scenarios.pilot.depth_frames import camera_mount, posed_image
 from scenarios.pilot.landing_phases import (
     COMMIT_HEIGHTS_M,
     MAX_LOOKS,

@@ -17,8 +17,8 @@ from aeroscene.corpus.curation.rooms import (
     storage,
     work,
 )
+from aeroscene.corpus.curation.rooms.extras import furnish_rest
 from aeroscene.corpus.curation.rooms.interior import Interior
-from aeroscene.corpus.curation.rooms.rest import furnish_rest
 from aeroscene.corpus.curation.rooms.uses import USES
 
 _SETTLED = 0.55

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
-from aeroscene.corpus.curation.indoor.laying import lay_room
 from aeroscene.corpus.curation.indoor.partitions import raise_walls
+from aeroscene.corpus.curation.indoor.room_placement import lay_room
 from aeroscene.corpus.curation.indoor.themes import FINISHES
 from aeroscene.corpus.curation.indoor.walls import insets
 from aeroscene.corpus.curation.indoor.zones import choose_doors, find_borders

@@ -9,7 +9,7 @@ from math import pi, sin
 from aeroscene.corpus.curation.builder import Attributes, Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD, Frame
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.site import Road, Site
 from aeroscene.corpus.curation.traffic import call_bus, drive, park, wait
 
@@ -101,7 +101,9 @@ class Streets:
         growths += [self._plant(verge) for verge in self.site.verges]
         growths += [self._furnish(walk) for walk in self.site.sidewalks]
         # In any order, so that a scene that fills up early does not lack the same kind every time.
-        yield from in_turn(*(growths[index] for index in self.draw.shuffled(range(len(growths)))))
+        yield from interleave(
+            *(growths[index] for index in self.draw.shuffled(range(len(growths))))
+        )
 
     def _wait_at_stops(self) -> Iterator[None]:
         """A bench in each shelter, a sign beside it, a bus at the kerb now and then."""

@@ -14,15 +14,15 @@ import numpy as np
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import STREETWARD
-from aeroscene.corpus.curation.indoor.laying import lay_room
 from aeroscene.corpus.curation.indoor.partitions import raise_walls
+from aeroscene.corpus.curation.indoor.room_placement import lay_room
 from aeroscene.corpus.curation.indoor.themes import FINISHES
 from aeroscene.corpus.curation.indoor.walls import insets
 from aeroscene.corpus.curation.indoor.zones import choose_doors, find_borders
-from aeroscene.corpus.curation.places.furnished import furnish
+from aeroscene.corpus.curation.places.furnished_buildings import furnish
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
-from aeroscene.corpus.curation.places.turns import in_turn
 from aeroscene.corpus.curation.room_space import RoomSpace
 from aeroscene.corpus.curation.shells import STOREY_M
 from aeroscene.corpus.curation.storeys import plan_storey
@@ -142,7 +142,7 @@ class FurnishedTower:
         if self._roof:
             growths.append(furnish_flat_roof(ground.builder, draw, self._roof))
         growths.append(self._forecourt())
-        yield from in_turn(*growths)
+        yield from interleave(*growths)
 
     def _forecourt(self) -> Iterator[None]:
         ground, draw = self.ground, self.ground.draw

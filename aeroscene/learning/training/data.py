@@ -16,7 +16,7 @@ import msgspec
 
 from aeroscene.corpus.dataset import DatasetError, open_dataset
 from aeroscene.corpus.provenance import curation_digest
-from aeroscene.layouts.kept import mapped_scenes
+from aeroscene.layouts.scene_cache import mapped_scenes
 from aeroscene.learning.paper.training_set import FlatTrainingSet, flat_training_set
 from aeroscene.learning.program import WHOLE, EncodingCfg
 from aeroscene.learning.symmetry import may_be_mirrored, mirrored

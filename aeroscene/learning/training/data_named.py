@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from aeroscene.corpus.dataset import open_dataset
-from aeroscene.layouts.kept import count_layouts
-from aeroscene.layouts.neutral import read_neutral
+from aeroscene.layouts.neutral_format import read_neutral
+from aeroscene.layouts.scene_cache import count_layouts
 
 
 def require_data(path: Path) -> None:

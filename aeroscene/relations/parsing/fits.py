@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Literal
 
-from aeroscene.relations.placing import gap_middle_m
+from aeroscene.relations.placement import gap_middle_m
 from aeroscene.relations.plane import Rectangle, nearest_quadrant, turned_reach_m
 from aeroscene.relations.relation import (
     ANY_TURN,
@@ -43,8 +43,8 @@ _OVERHANG_M = 3.0
 _FACING_M = 5.0
 """Greatest distance between two objects that face each other."""
 
-Manner = Literal["thing", "way", "verge", "small"]
-"""Kind of the host beside which an object stands: another object; a way or structure, along which
+HostKind = Literal["object", "path", "verge", "small"]
+"""Kind of the host beside which an object stands: another object; a path or structure, along which
 any place will do; a road, also past its ends; another small object on the same top, which may be
 near by chance."""
 
@@ -127,18 +127,22 @@ def _tolerance_m(play_m: float) -> float:
 
 
 def beside(
-    host: Rectangle, child: Rectangle, manner: Manner = "thing", *, is_round: bool = False
+    host: Rectangle,
+    child: Rectangle,
+    host_kind: HostKind = "object",
+    *,
+    is_round: bool = False,
 ) -> Iterator[Relation]:
     """Yield the sides of another object at which an object stands, in line with it or not.
 
     Args:
         host: Outline of the other object.
         child: Outline of the object.
-        manner: Kind of the host.
+        host_kind: Kind of the host.
         is_round: True if the object has no front, so that its heading does not matter.
     """
     tolerance_m, flush_m, gaps_m = TOLERANCE_M, _FLUSH_M, GAPS_M
-    if manner == "small":
+    if host_kind == "small":
         tolerance_m, flush_m, gaps_m = _SMALL_M, _SMALL_M, GAPS_M[:1]
     for side in range(N_SIDES):
         u_m, v_m, turn_rad = host.from_side(side).local(child.place)
@@ -156,9 +160,11 @@ def beside(
             align = Align.HIGH if is_high else Align.LOW
         if abs(v_m) <= flush_m:
             align = Align.CENTRE
-        is_along = abs(v_m) <= half_m[1] + (_OVERHANG_M if manner == "verge" else 0.0)
+        is_along = abs(v_m) <= half_m[1] + (_OVERHANG_M if host_kind == "verge" else 0.0)
         # Without alignment, nearness means something only along ways, or if the two touch.
-        if align != Align.FREE or (is_along and (manner in {"way", "verge"} or gap == Gap.TOUCH)):
+        if align != Align.FREE or (
+            is_along and (host_kind in {"path", "verge"} or gap == Gap.TOUCH)
+        ):
             yield Relation(kind=Kind.SIDE, side=side, gap=gap, align=align, quadrant=quadrant)
 
 

@@ -10,7 +10,7 @@ from statistics import median
 import numpy as np
 
 from aeroscene.relations.parsing import fits
-from aeroscene.relations.placing import residual_of
+from aeroscene.relations.placement import residual_of
 from aeroscene.relations.plane import Rectangle
 from aeroscene.relations.relation import (
     MAX_SEATS,

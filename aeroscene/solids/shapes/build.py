@@ -39,7 +39,7 @@ from aeroscene.solids.shapes import (
     vehicles,
 )
 from aeroscene.solids.shapes.look import Look, Shape
-from aeroscene.solids.shapes.outlined import outlined_parts
+from aeroscene.solids.shapes.outline_prisms import outlined_parts
 from aeroscene.solids.shapes.primitive import IDENTITY, Part, Primitive, block
 
 SHAPES: Mapping[str, Shape] = {

@@ -83,7 +83,9 @@ class Follow:
         breach = fence_breach(flight, place_enu_m) or leg_breach(flight, here, place_enu_m)
         # Announced once, when the waiting begins.
         if breach is not None and not self._is_waiting:
-            flight.events.say(Severity.WARNING, f"Follow: waiting within the geofence ({breach})")
+            flight.events.report(
+                Severity.WARNING, f"Follow: waiting within the geofence ({breach})"
+            )
         self._is_waiting = breach is not None
         return breach is None
 

@@ -137,7 +137,7 @@ class MissionFlight:
             if self._ends_after(self._index) or self.next_mode is not None:
                 self._finish()
                 return
-        self._flight.events.say(Severity.WARNING, "Mission stopped: its items only jump")
+        self._flight.events.report(Severity.WARNING, "Mission stopped: its items only jump")
         self._finish()
 
     def _complete(self) -> None:
@@ -164,7 +164,7 @@ class MissionFlight:
         self._leg = None
         if self.next_mode is None:
             ending = "" if flight.vehicle.is_landed else ", loitering"
-            flight.events.say(Severity.INFO, f"Mission finished{ending}")
+            flight.events.report(Severity.INFO, f"Mission finished{ending}")
 
     def _report_reached(self, index: int) -> None:
         self._flight.mission.last_reached_index = index
@@ -214,7 +214,7 @@ class MissionFlight:
             case Cmd.FENCE_ENABLE:
                 flight.fence.switch = item.param1 == 1.0
                 is_on = "enabled" if flight.fence.switch else "disabled"
-                flight.events.say(Severity.NOTICE, f"Fence {is_on} by mission")
+                flight.events.report(Severity.NOTICE, f"Fence {is_on} by mission")
             case command if command in PAYLOAD_COMMANDS:
                 flight.events.payload_order(item)
         return index + 1

@@ -133,7 +133,7 @@ class PrecisionLand:
                 self._waited_s += TICK_S
             if self._waited_s < flight.parameters["PLD_SRCH_TOUT"]:
                 return flight.follow_path()
-        flight.events.say(Severity.WARNING, "Landing target not seen: landing without it")
+        flight.events.report(Severity.WARNING, "Landing target not seen: landing without it")
         self._blind = Land(flight, place)
         self._blind.start()
         return self._blind.update()

@@ -65,7 +65,9 @@ class ReturnHome:
         ground_m = flight.home.position_enu_m[2]
         route = self._route((x, y))
         if not route:
-            flight.events.say(Severity.CRITICAL, "RTL: no place within the geofence, landing here")
+            flight.events.report(
+                Severity.CRITICAL, "RTL: no place within the geofence, landing here"
+            )
             self._begin_landing((x, y))
             return
         self._place = east_m, north_m = route[-1]
@@ -81,7 +83,7 @@ class ReturnHome:
             *((corner, partial(flight.face, corner)) for corner in corners),
             ((east_m, north_m, descend_m), lambda: setattr(heading, "goal_yaw_rad", yaw_rad)),
         ]
-        flight.events.say(
+        flight.events.report(
             Severity.INFO,
             f"RTL: climb to {height_m + flight.frame.origin.altitude_m:.0f} m "
             f"({height_m - ground_m:.0f} m above destination)",
@@ -111,7 +113,7 @@ class ReturnHome:
             self._begin_landing(self._place)
 
     def _begin_landing(self, place_enu_m: tuple[float, float]) -> None:
-        self._flight.events.say(Severity.INFO, "RTL: landing")
+        self._flight.events.report(Severity.INFO, "RTL: landing")
         self._land = Land(self._flight, place_enu_m, self._flight.heading.goal_yaw_rad)
         self._land.start()
 

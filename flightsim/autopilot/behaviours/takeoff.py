@@ -54,7 +54,7 @@ class Takeoff:
         if height_m is None:
             height_m = here_m + flight.parameters["MIS_TAKEOFF_ALT"]
         elif height_m < here_m and not flight.vehicle.is_landed:
-            flight.events.say(Severity.WARNING, "Already higher than takeoff altitude")
+            flight.events.report(Severity.WARNING, "Already higher than takeoff altitude")
         self._target_enu_m = (x, y, max(height_m, here_m))
         flight.heading.goal_yaw_rad = (
             flight.heading.yaw_rad if self._yaw_rad is None else self._yaw_rad

@@ -99,7 +99,7 @@ class ArduPilotBridge:
             self._outputs = self._outputs or self._await_request(timeout_s)
         return self._client is not None
 
-    def tell(self, plant: Plant) -> None:
+    def send_state(self, plant: Plant) -> None:
         """Answer the last request, now that its step has been made."""
         if self._origin_enu_m is None:
             self._origin_enu_m = plant.truth.position_enu_m

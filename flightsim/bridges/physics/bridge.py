@@ -65,7 +65,7 @@ class Bridge(Protocol):
         """Return True if a flight stack is there; wait for one at most this wall time."""
         ...
 
-    def tell(self, plant: Plant) -> None:
+    def send_state(self, plant: Plant) -> None:
         """Send the present state, unless nobody waits for it."""
         ...
 

@@ -81,7 +81,7 @@ class Px4Bridge:
             self._accept()
         return self._socket is not None
 
-    def tell(self, plant: Plant) -> None:
+    def send_state(self, plant: Plant) -> None:
         """Send the sensors' samples and the truth of this tick."""
         self._outputs = None
         data, self._told_us = self._messages.frames(plant)
@@ -129,7 +129,7 @@ class Px4Bridge:
             self._read()  # It may be gone, and that not read yet.
         if self._has_outputs:
             client.close()
-            self._say(
+            self._add_notice(
                 f"{self.address}: a second connection is refused while PX4 answers; valid: one PX4 "
                 "an --instance"
             )
@@ -181,14 +181,14 @@ class Px4Bridge:
             if message.get_type() == _ANSWER.name:
                 self._take(message.time_usec, message.flags, message.controls, message.mode)
             elif message.get_type() == "BAD_DATA":
-                self._say(
+                self._add_notice(
                     f"{self.address}: bytes that are no MAVLink are ignored; valid: the simulator "
                     "link of PX4 1.12 and later"
                 )
 
     def _take(self, time_us: int, flags: int, controls: Sequence[float], mode: int) -> None:
         if not flags & _LOCKSTEP_FLAG:
-            self._say(
+            self._add_notice(
                 f"{self.address}: PX4 runs without lockstep (flags {flags}), so that its "
                 "flights do not repeat; valid: a build for simulation with lockstep"
             )
@@ -204,7 +204,7 @@ class Px4Bridge:
         a, b, c, d = (c if math.isfinite(c) else 0.0 for c in controls[:4])
         self._outputs = (a, b, c, d) if is_armed else _OFF
 
-    def _say(self, line: str) -> None:
+    def _add_notice(self, line: str) -> None:
         """Add a notice, the first time that it occurs."""
         if line not in self._told:
             self._told.add(line)

@@ -7,10 +7,10 @@ dropped, as a radio would drop it; the protocols above repeat.
 from flightsim.mavlink.links.in_process import InProcessClient, InProcessLink
 from flightsim.mavlink.links.link import Link, LinkError, PortInUseError, is_loopback
 from flightsim.mavlink.links.network import local_ports, network_links
-from flightsim.mavlink.links.out import OutAddress, UdpOutLink
 from flightsim.mavlink.links.serial import SerialLine, SerialLink
 from flightsim.mavlink.links.tcp import TcpServerLink
 from flightsim.mavlink.links.udp import UdpLink
+from flightsim.mavlink.links.udp_out import OutAddress, UdpOutLink
 
 __all__ = [
     "InProcessClient",

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from flightsim.mavlink.links.link import Link
-from flightsim.mavlink.links.out import OutAddress, UdpOutLink
 from flightsim.mavlink.links.serial import SerialLine, SerialLink
 from flightsim.mavlink.links.tcp import TcpServerLink
 from flightsim.mavlink.links.udp import UdpLink
+from flightsim.mavlink.links.udp_out import OutAddress, UdpOutLink
 from flightsim.mavlink.signing import Signing
 
 

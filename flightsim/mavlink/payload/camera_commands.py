@@ -116,7 +116,7 @@ class CameraCommands:
     def _on_digicam_control(self, _: Channel, m: Message) -> None:
         reply = self._shutter.shoot(self._now_us()) if m.shot == 1 else _FIXED
         if reply.reason:
-            self._statustext.say(Severity.WARNING, explanation("DIGICAM_CONTROL", reply))
+            self._statustext.broadcast(Severity.WARNING, explanation("DIGICAM_CONTROL", reply))
 
     def _trigger_by_way(self, c: Order) -> Reply:
         return self._shutter.each(c.param1, is_at_once=c.param3 == 1.0)
@@ -165,7 +165,7 @@ class CameraCommands:
 
     def _sends(self, name: str) -> Executor:
         message_id = LAYOUTS[name].message_id
-        return lambda c: self._plain.send_once(self._component.of(c.channel), message_id)
+        return lambda c: self._plain.send_once(self._component.channel_for(c.channel), message_id)
 
     def _send_captured(self, c: Command, number: float) -> Reply:
         index = choice(number)
@@ -173,5 +173,5 @@ class CameraCommands:
         if photograph is None:
             return DENIED
         payload = self._messages.captured(photograph)
-        self._component.of(c.channel).send(LAYOUTS["CAMERA_IMAGE_CAPTURED"], payload)
+        self._component.channel_for(c.channel).send(LAYOUTS["CAMERA_IMAGE_CAPTURED"], payload)
         return ACCEPTED

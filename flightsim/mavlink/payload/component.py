@@ -9,7 +9,7 @@ from flightsim.mavlink.commands import CommandService, Executor
 from flightsim.mavlink.dialect import LAYOUTS, layout
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.faults import Faults
-from flightsim.mavlink.ignored import reason_for
+from flightsim.mavlink.ignored_messages import reason_for
 from flightsim.mavlink.message_commands import MessageCommands
 from flightsim.mavlink.parsing import Message
 from flightsim.mavlink.service import Handler, Partners
@@ -64,7 +64,8 @@ class Component:
             mavlink_version=3,
         )
         self._own: dict[Channel, Channel] = {}
-        self._partners = Partners()  # partners that have addressed it; the others hear by `tell`
+        # Partners that have addressed it. The others receive its messages by `broadcast`.
+        self._partners = Partners()
         self.telemetry = TelemetryService(
             {"HEARTBEAT": lambda: self._heartbeat, **producers},
             self._partners,
@@ -81,7 +82,7 @@ class Component:
         handlers = {**self._own_handlers, **commands.handlers}
         self._handlers = {LAYOUTS[name].message_id: handler for name, handler in handlers.items()}
 
-    def of(self, channel: Channel) -> Channel:
+    def channel_for(self, channel: Channel) -> Channel:
         """Return a partner's channel as this component's, which streams to it from now on."""
         own = channel.as_component(self._id)
         if own is not channel and channel not in self._own:
@@ -89,7 +90,7 @@ class Component:
             self._partners.channels = tuple(self._own.values())
         return own
 
-    def hear(self, channel: Channel, message: Message) -> str | None:
+    def handle(self, channel: Channel, message: Message) -> str | None:
         """Handle a message that is addressed to this component.
 
         Returns:
@@ -99,9 +100,9 @@ class Component:
         if handler is None:
             reason = reason_for(message)
             return reason and f"component {self._id}: {reason}"
-        return handler(self.of(channel), message)
+        return handler(self.channel_for(channel), message)
 
-    def tell(self, name: str, payload: bytes) -> None:
+    def broadcast(self, name: str, payload: bytes) -> None:
         """Send a message to all partners that speak MAVLink 2."""
         for channel in self._everybody.channels:
             if channel.speaks_version_2:

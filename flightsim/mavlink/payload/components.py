@@ -72,7 +72,7 @@ class PayloadComponents:
             mount=mount,
             own_address=autopilot_address,
             # Called later, when the component below exists.
-            tell_status=lambda: self._gimbal.tell("GIMBAL_MANAGER_STATUS", gimbal.status()),
+            report_status=lambda: self._gimbal.broadcast("GIMBAL_MANAGER_STATUS", gimbal.status()),
         )
         self._camera_messages = CameraMessages(view, payload, DEVICE_ID)
         component = partial(
@@ -93,16 +93,16 @@ class PayloadComponents:
         self.handlers: Mapping[str, Handler] = {**handlers, **taking.handlers}
         self.producers: Mapping[str, Producer] = mount.producers
         self._components = {_CAMERA: self._camera, _GIMBAL: self._gimbal}
-        payload.camera.listeners.append(self._tell_photograph)
+        payload.camera.listeners.append(self._report_photograph)
 
-    def hear(self, component_id: int, channel: Channel, message: Message) -> str | None:
+    def handle(self, component_id: int, channel: Channel, message: Message) -> str | None:
         """Handle a message that is addressed to one of the components; ignore any other.
 
         Returns:
             The reason why a message to one of them changes nothing, if it does not.
         """
         component = self._components.get(component_id)
-        return None if component is None else component.hear(channel, message)
+        return None if component is None else component.handle(channel, message)
 
     def perform(self, item: MissionItem) -> None:
         """Carry out a mission item's order; one for equipment that is not aboard is skipped."""
@@ -122,7 +122,7 @@ class PayloadComponents:
         )
         if reply.result is not CommandResult.ACCEPTED:
             text = f"Mission item {item.command} {reply.result.value}: {reply.reason}"
-            self._statustext.say(Severity.WARNING, text)
+            self._statustext.broadcast(Severity.WARNING, text)
 
     def work(self) -> None:
         """Let the payload work for a tick, and introduce the components once a second."""
@@ -141,5 +141,5 @@ class PayloadComponents:
         for component in self._components.values():
             component.forget(channel)
 
-    def _tell_photograph(self, photograph: Photograph) -> None:
-        self._camera.tell("CAMERA_IMAGE_CAPTURED", self._camera_messages.captured(photograph))
+    def _report_photograph(self, photograph: Photograph) -> None:
+        self._camera.broadcast("CAMERA_IMAGE_CAPTURED", self._camera_messages.captured(photograph))

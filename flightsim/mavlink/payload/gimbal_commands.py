@@ -43,7 +43,7 @@ class GimbalCommands:
         *,
         mount: Mount,
         own_address: Address,
-        tell_status: Callable[[], None],
+        report_status: Callable[[], None],
     ) -> None:
         """Obey from now on.
 
@@ -53,13 +53,13 @@ class GimbalCommands:
             control: The clients in control; changed here.
             mount: The same gimbal, for older commands.
             own_address: The autopilot, whose mission items act whoever is in control.
-            tell_status: Called when the control has changed.
+            report_status: Called when the control has changed.
         """
         self._view = view
         self._gimbal = gimbal
         self._control = control
         self._own_address = own_address
-        self._tell_status = tell_status
+        self._report_status = report_status
         turning: Mapping[int, OrderExecutor] = {
             mav.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW: self._pitch_yaw,
             mav.MAV_CMD_DO_SET_ROI_LOCATION: self._look_at_place,
@@ -104,7 +104,7 @@ class GimbalCommands:
         except ValueError as error:
             return denied(str(error))
         control.primary, control.secondary = primary, secondary
-        self._tell_status()
+        self._report_status()
         return ACCEPTED
 
     # --- angles and rates ---

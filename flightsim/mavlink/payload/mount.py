@@ -114,7 +114,7 @@ class Mount:
             system, component = self._control.primary
             reply = denied(f"the gimbal is controlled by {system}/{component}")
         if reply.reason:
-            self._statustext.say(Severity.WARNING, explanation(name, reply))
+            self._statustext.broadcast(Severity.WARNING, explanation(name, reply))
 
     def _obey(self, m: Message) -> Reply:
         """Do what MOUNT_CONTROL demands in the present mode."""

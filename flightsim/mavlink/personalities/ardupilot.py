@@ -13,7 +13,7 @@ from flightsim.mavlink.personalities.copter_parameters import ALIASES, SETTINGS,
 from flightsim.mavlink.personalities.personality import ModeEntry, Personality
 from flightsim.mavlink.telemetry_sensors import imu_fields
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import FixSource
+from flightsim.plant.external_aids import FixSource
 
 _EKF_STATUS_REPORT = layout("EKF_STATUS_REPORT")
 _RANGEFINDER = layout("RANGEFINDER")
@@ -140,7 +140,7 @@ ARDUPILOT = Personality(
     # Its simulator has a database of the terrain; whether data is there does not matter to Copter.
     # Source: ArduCopter 4.5, GCS_Copter.cpp, update_vehicle_sensor_status_flags.
     status_bits=1 << 22,
-    turns_as_told=False,
+    turns_to_commanded_heading=False,
     has_guided_mode=True,
     switches_fence=True,
     tests_motors_clockwise=True,

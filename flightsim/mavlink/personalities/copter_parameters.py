@@ -14,7 +14,7 @@ from importlib.resources import files
 
 from flightsim.mavlink.personalities.personality import Alias, Setting
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import FixSource
+from flightsim.plant.external_aids import FixSource
 
 # Actions of failsafes in our table.
 # FS_THR_ENABLE and FS_GCS_ENABLE number actions differently, so each has its own codes.

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from flightsim.autopilot.modes import Mode
 from flightsim.mavlink.view import VehicleView
-from flightsim.plant.outside import FixSource
+from flightsim.plant.external_aids import FixSource
 
 ExtraTelemetry = Callable[[VehicleView], Mapping[str, Callable[[], bytes | None]]]
 """Makes the producers of the messages that only one flight stack sends, by message name."""
@@ -109,7 +109,7 @@ class Personality:
     """True acknowledges the message SET_MODE; a refused mode then counts as FAILED."""
     status_bits: int = 0
     """Bits of MAV_SYS_STATUS_SENSOR that it reports as present, on and healthy, besides ours."""
-    turns_as_told: bool = True
+    turns_to_commanded_heading: bool = True
     """True lets takeoffs and landings turn to the heading of their command."""
     has_guided_mode: bool = False
     """True flies setpoints and single items in the mode of HOLD, instead of in OFFBOARD."""

@@ -5,31 +5,31 @@ simulated second, and a campaign runs many times faster than real time, so the f
 filled, packed and framed by a kernel. Python packs the rest.
 """
 
+from flightsim.mavlink.streaming.inputs import KernelInputs
 from flightsim.mavlink.streaming.kernel import TICK_US, compile_streaming, mark_due
 from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES
 from flightsim.mavlink.streaming.record import (
     FRAMED,
+    KERNEL_MESSAGES,
     MOST_PARTS,
     ONE_BY_ONE,
     PARTNER_DTYPE,
-    TOLD,
     WAITS,
 )
 from flightsim.mavlink.streaming.streamer import Streamed, Streamer
-from flightsim.mavlink.streaming.told import Told
 
 __all__ = [
     "FRAMED",
+    "KERNEL_MESSAGES",
     "MOST_PARTS",
     "ONE_BY_ONE",
     "OVERHEAD_BYTES",
     "PARTNER_DTYPE",
     "TICK_US",
-    "TOLD",
     "WAITS",
+    "KernelInputs",
     "Streamed",
     "Streamer",
-    "Told",
     "compile_streaming",
     "mark_due",
 ]

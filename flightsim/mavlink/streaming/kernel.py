@@ -9,10 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from autonomy.jit import compile_ahead, kernel
-from flightsim.mavlink.streaming.motion import look, tell_course, tell_pose
-from flightsim.mavlink.streaming.navigation import tell_navigation
+from flightsim.mavlink.streaming.motion import fill_course, fill_pose, look
+from flightsim.mavlink.streaming.navigation import fill_navigation
 from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES, pack, write_frame
-from flightsim.mavlink.streaming.readings import tell_imu, tell_readings
+from flightsim.mavlink.streaming.readings import fill_imu, fill_readings
 from flightsim.mavlink.streaming.record import (
     COURSE,
     FRAMED,
@@ -64,7 +64,7 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
     for k in range(len(addresses)):
         partner = rows(addresses[k], 1, PARTNER_DTYPE)
         partner[0].n_frames = partner[0].n_bytes = 0
-        if partner[0].way == WAITS:
+        if partner[0].service_mode == WAITS:
             s.next_us = now_us  # it may take overdue messages at any tick
             continue
         s.next_us = min(s.next_us, mark_due(partner, s.n_messages, now_us))
@@ -73,7 +73,7 @@ def stream(streamers: np.ndarray, now_us: int, asked: int) -> int:
         return n_wanted
     for k in range(len(addresses)):
         partner = rows(addresses[k], 1, PARTNER_DTYPE)
-        if partner[0].way == FRAMED:
+        if partner[0].service_mode == FRAMED:
             _frame(s, messages, partner[0])
     return 0
 
@@ -131,7 +131,7 @@ def _want(s: np.record, messages: np.ndarray, p: np.record, now_us: int, n_wante
 
 @kernel
 def _pack_filled(s: np.record, message: np.record, now_us: int) -> None:
-    """Pack one of `TOLD`; the first of a tick fills all of its group."""
+    """Pack one of `KERNEL_MESSAGES`; the first of a tick fills all of its group."""
     if s.filled_us != now_us:
         s.filled_us, s.filled = now_us, 0
         look(_view(s), _plant(s), now_us)
@@ -152,17 +152,17 @@ def _pack_filled(s: np.record, message: np.record, now_us: int) -> None:
 @kernel
 def _fill(s: np.record, group: int) -> None:
     """Fill the messages of a group."""
-    told, plant, view = rows(s.values_address, 1, VALUES_DTYPE)[0], _plant(s), _view(s)
+    values, plant, view = rows(s.values_address, 1, VALUES_DTYPE)[0], _plant(s), _view(s)
     if group == POSE:
-        tell_pose(told, plant, view)
+        fill_pose(values, plant, view)
     elif group == IMU:
-        tell_imu(told.HIGHRES_IMU, plant, view)
+        fill_imu(values.HIGHRES_IMU, plant, view)
     elif group == COURSE:
-        tell_course(told, plant, view)
+        fill_course(values, plant, view)
     elif group == READINGS:
-        tell_readings(told, plant, view)
+        fill_readings(values, plant, view)
     else:
-        tell_navigation(told, plant, view)
+        fill_navigation(values, plant, view)
 
 
 @kernel

@@ -50,7 +50,7 @@ def look(v: np.record, p: np.record, now_us: int) -> None:
 
 
 @kernel
-def tell_pose(m: np.record, p: np.record, v: np.record) -> None:
+def fill_pose(m: np.record, p: np.record, v: np.record) -> None:
     """Fill the messages of position and attitude.
 
     Args:
@@ -58,13 +58,13 @@ def tell_pose(m: np.record, p: np.record, v: np.record) -> None:
         p: `PLANT_DTYPE`.
         v: `VIEW_DTYPE` of the same tick.
     """
-    _tell_attitude(m.ATTITUDE, m.ATTITUDE_QUATERNION, p, v)
-    _tell_position(m.LOCAL_POSITION_NED, m.GLOBAL_POSITION_INT, p, v)
-    _tell_odometry(m.ODOMETRY, p, v)
+    _fill_attitude(m.ATTITUDE, m.ATTITUDE_QUATERNION, p, v)
+    _fill_position(m.LOCAL_POSITION_NED, m.GLOBAL_POSITION_INT, p, v)
+    _fill_odometry(m.ODOMETRY, p, v)
 
 
 @kernel
-def tell_course(m: np.record, p: np.record, v: np.record) -> None:
+def fill_course(m: np.record, p: np.record, v: np.record) -> None:
     """Fill the messages of the setpoint, the flight instruments, and the truth.
 
     Args:
@@ -72,15 +72,15 @@ def tell_course(m: np.record, p: np.record, v: np.record) -> None:
         p: `PLANT_DTYPE`.
         v: `VIEW_DTYPE` of the same tick.
     """
-    _tell_attitude_target(m.ATTITUDE_TARGET, p, v)
-    _tell_flight(m.VFR_HUD, m.ALTITUDE, p, v)
-    _tell_local_target(m.POSITION_TARGET_LOCAL_NED, p, v)
-    _tell_target(m.POSITION_TARGET_GLOBAL_INT, m.NAV_CONTROLLER_OUTPUT, p, v)
-    _tell_truth(m.HIL_STATE_QUATERNION, p, v)
+    _fill_attitude_target(m.ATTITUDE_TARGET, p, v)
+    _fill_flight(m.VFR_HUD, m.ALTITUDE, p, v)
+    _fill_local_target(m.POSITION_TARGET_LOCAL_NED, p, v)
+    _fill_target(m.POSITION_TARGET_GLOBAL_INT, m.NAV_CONTROLLER_OUTPUT, p, v)
+    _fill_truth(m.HIL_STATE_QUATERNION, p, v)
 
 
 @kernel
-def _tell_attitude(euler: np.record, quat: np.record, p: np.record, v: np.record) -> None:
+def _fill_attitude(euler: np.record, quat: np.record, p: np.record, v: np.record) -> None:
     rates, q = v.rates_frd_radps, v.quat_ned_frd
     euler.is_known = quat.is_known = p.filter.is_aligned
     euler.time_boot_ms = quat.time_boot_ms = v.time_boot_ms
@@ -91,7 +91,7 @@ def _tell_attitude(euler: np.record, quat: np.record, p: np.record, v: np.record
 
 
 @kernel
-def _tell_attitude_target(m: np.record, p: np.record, v: np.record) -> None:
+def _fill_attitude_target(m: np.record, p: np.record, v: np.record) -> None:
     s = p.setpoint
     m.is_known = p.filter.is_aligned
     m.time_boot_ms = v.time_boot_ms
@@ -107,7 +107,7 @@ def _tell_attitude_target(m: np.record, p: np.record, v: np.record) -> None:
 
 
 @kernel
-def _tell_position(local: np.record, place: np.record, p: np.record, v: np.record) -> None:
+def _fill_position(local: np.record, place: np.record, p: np.record, v: np.record) -> None:
     x, velocity = v.position_ned_m, v.velocity_ned_mps
     local.is_known = place.is_known = p.filter.is_aligned
     local.time_boot_ms = place.time_boot_ms = v.time_boot_ms
@@ -122,7 +122,7 @@ def _tell_position(local: np.record, place: np.record, p: np.record, v: np.recor
 
 
 @kernel
-def _tell_odometry(m: np.record, p: np.record, v: np.record) -> None:
+def _fill_odometry(m: np.record, p: np.record, v: np.record) -> None:
     m.is_known = p.filter.is_aligned
     m.time_usec = v.time_us
     m.x, m.y, m.z = v.position_ned_m[0], v.position_ned_m[1], v.position_ned_m[2]
@@ -141,7 +141,7 @@ def _tell_odometry(m: np.record, p: np.record, v: np.record) -> None:
 
 
 @kernel
-def _tell_flight(hud: np.record, height: np.record, p: np.record, v: np.record) -> None:
+def _fill_flight(hud: np.record, height: np.record, p: np.record, v: np.record) -> None:
     """Fill VFR_HUD and ALTITUDE."""
     hud.is_known = height.is_known = p.filter.is_aligned
     velocity, altitude_m = v.velocity_ned_mps, v.altitude_est_m
@@ -159,7 +159,7 @@ def _tell_flight(hud: np.record, height: np.record, p: np.record, v: np.record) 
 
 
 @kernel
-def _tell_local_target(m: np.record, p: np.record, v: np.record) -> None:
+def _fill_local_target(m: np.record, p: np.record, v: np.record) -> None:
     s = p.setpoint
     # Other levels have no position target.
     m.is_known = p.filter.is_aligned == 1 and s.level == _TRAJECTORY
@@ -179,7 +179,7 @@ def _tell_local_target(m: np.record, p: np.record, v: np.record) -> None:
 
 
 @kernel
-def _tell_target(place: np.record, nav: np.record, p: np.record, v: np.record) -> None:
+def _fill_target(place: np.record, nav: np.record, p: np.record, v: np.record) -> None:
     """Fill POSITION_TARGET_GLOBAL_INT and NAV_CONTROLLER_OUTPUT."""
     target = v.target_enu_m
     is_there = math.isfinite(target[0]) and math.isfinite(target[1]) and math.isfinite(target[2])
@@ -201,7 +201,7 @@ def _tell_target(place: np.record, nav: np.record, p: np.record, v: np.record) -
 
 
 @kernel
-def _tell_truth(m: np.record, p: np.record, v: np.record) -> None:
+def _fill_truth(m: np.record, p: np.record, v: np.record) -> None:
     qpos, qvel = doubles(p.engine.qpos_address, 7), doubles(p.engine.qvel_address, 6)
     air, accel = p.rotors.wind_enu_mps, p.imu.accel_flu_mps2
     m.is_known = 1.0

@@ -29,7 +29,7 @@ _POSITION = 0b11_0111_1110
 
 
 @kernel
-def tell_navigation(m: np.record, p: np.record, v: np.record) -> None:
+def fill_navigation(m: np.record, p: np.record, v: np.record) -> None:
     """Fill the messages of satellites, of the estimator, of the air and of the time.
 
     Args:
@@ -37,14 +37,14 @@ def tell_navigation(m: np.record, p: np.record, v: np.record) -> None:
         p: `PLANT_DTYPE`.
         v: `VIEW_DTYPE` of the same tick.
     """
-    _tell_fix(m.GPS_RAW_INT, p.gnss, p.engine.tick_us, v)
-    _tell_estimator(m.ESTIMATOR_STATUS, p.filter, v)
-    _tell_air(m.WIND_COV, m.VIBRATION, p.filter.wind_enu_mps, v)
-    _tell_time(m.SYSTEM_TIME, v)
+    _fill_fix(m.GPS_RAW_INT, p.gnss, p.engine.tick_us, v)
+    _fill_estimator(m.ESTIMATOR_STATUS, p.filter, v)
+    _fill_air(m.WIND_COV, m.VIBRATION, p.filter.wind_enu_mps, v)
+    _fill_time(m.SYSTEM_TIME, v)
 
 
 @kernel
-def _tell_fix(m: np.record, r: np.record, tick_us: int, v: np.record) -> None:
+def _fill_fix(m: np.record, r: np.record, tick_us: int, v: np.record) -> None:
     m.is_known = 1.0
     is_on = r.is_enabled == 1 and r.failure[0] != _OFF
     # After a gap of the sky the receiver needs some ticks until it has a fix again.
@@ -78,7 +78,7 @@ def _accuracy_m(r: np.record, k: int) -> float:
 
 
 @kernel
-def _tell_estimator(m: np.record, f: np.record, v: np.record) -> None:
+def _fill_estimator(m: np.record, f: np.record, v: np.record) -> None:
     m.is_known = 1.0
     m.time_usec = v.time_us
     m.vel_ratio, m.pos_horiz_ratio = f.ratio_gnss_velocity, f.ratio_gnss_position
@@ -98,7 +98,7 @@ def _tell_estimator(m: np.record, f: np.record, v: np.record) -> None:
 
 
 @kernel
-def _tell_air(
+def _fill_air(
     wind: np.record, vibration: np.record, wind_enu_mps: np.ndarray, v: np.record
 ) -> None:
     wind.is_known = vibration.is_known = 1.0
@@ -108,7 +108,7 @@ def _tell_air(
 
 
 @kernel
-def _tell_time(m: np.record, v: np.record) -> None:
+def _fill_time(m: np.record, v: np.record) -> None:
     m.is_known = 1.0
     m.time_unix_usec = EPOCH_US + v.time_us
     m.time_boot_ms = v.time_boot_ms

@@ -15,7 +15,7 @@ _PWM_STOPPED, _PWM_IDLE, _PWM_SPAN = 900.0, 1000.0, 1000.0
 
 
 @kernel
-def tell_readings(m: np.record, p: np.record, v: np.record) -> None:
+def fill_readings(m: np.record, p: np.record, v: np.record) -> None:
     """Fill the messages of pressure, range and motor commands.
 
     Args:
@@ -23,13 +23,13 @@ def tell_readings(m: np.record, p: np.record, v: np.record) -> None:
         p: `PLANT_DTYPE`.
         v: `VIEW_DTYPE` of the same tick.
     """
-    _tell_pressure(m.SCALED_PRESSURE, p, v)
-    _tell_range(m.DISTANCE_SENSOR, p.range.range_m, v)
-    _tell_motors(m.SERVO_OUTPUT_RAW, p.controller.rotor_command_radps, v)
+    _fill_pressure(m.SCALED_PRESSURE, p, v)
+    _fill_range(m.DISTANCE_SENSOR, p.range.range_m, v)
+    _fill_motors(m.SERVO_OUTPUT_RAW, p.controller.rotor_command_radps, v)
 
 
 @kernel
-def tell_imu(m: np.record, p: np.record, v: np.record) -> None:
+def fill_imu(m: np.record, p: np.record, v: np.record) -> None:
     """Fill HIGHRES_IMU."""
     accel, gyro, field = p.imu.accel_flu_mps2, p.imu.gyro_flu_radps, p.mag.field_flu_ut
     m.is_known = 1.0
@@ -43,7 +43,7 @@ def tell_imu(m: np.record, p: np.record, v: np.record) -> None:
 
 
 @kernel
-def _tell_pressure(m: np.record, p: np.record, v: np.record) -> None:
+def _fill_pressure(m: np.record, p: np.record, v: np.record) -> None:
     m.is_known = 1.0
     m.time_boot_ms = v.time_boot_ms
     m.press_abs, m.press_diff = p.baro.pressure_pa * 0.01, p.airspeed.differential_pa * 0.01  # hPa
@@ -52,7 +52,7 @@ def _tell_pressure(m: np.record, p: np.record, v: np.record) -> None:
 
 
 @kernel
-def _tell_range(m: np.record, range_m: float, v: np.record) -> None:
+def _fill_range(m: np.record, range_m: float, v: np.record) -> None:
     m.is_known = 1.0
     m.time_boot_ms = v.time_boot_ms
     is_valid = math.isfinite(range_m)
@@ -63,7 +63,7 @@ def _tell_range(m: np.record, range_m: float, v: np.record) -> None:
 
 
 @kernel
-def _tell_motors(m: np.record, command_radps: np.ndarray, v: np.record) -> None:
+def _fill_motors(m: np.record, command_radps: np.ndarray, v: np.record) -> None:
     m.is_known = 1.0
     m.time_usec = int(v.time_us) & 0xFFFFFFFF
     # Field by field: kernels cannot reach a record's fields by a computed name.

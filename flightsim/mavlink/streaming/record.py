@@ -6,7 +6,7 @@ so that a filling function never deals with bytes.
 
 Another message is compiled in three steps: add its name to a group of `_TOGETHER`; fill its fields
 and `is_known` in the function of that group, which `kernel._fill` calls (it lies in `motion.py`,
-`navigation.py` or `readings.py`); and give its constant fields their values in `told.py`.
+`navigation.py` or `readings.py`); and give its constant fields their values in `inputs.py`.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _TOGETHER = (
 POSE, IMU, COURSE, READINGS, NAVIGATION = range(len(_TOGETHER))
 """Groups of messages that are filled together, when the first of them is due in a tick."""
 
-TOLD = tuple(name for group in _TOGETHER for name in group)
+KERNEL_MESSAGES = tuple(name for group in _TOGETHER for name in group)
 """Messages that the kernel fills: those that companions get ten times a second and more, and those
 that are nothing but numbers of the plant's record."""
 
@@ -46,8 +46,8 @@ def _values_dtype(message: Layout) -> np.dtype:
     return np.dtype([("is_known", "f8"), *shaped])
 
 
-VALUES_DTYPE = np.dtype([(name, _values_dtype(LAYOUTS[name])) for name in TOLD])
-"""Present values of each of `TOLD`."""
+VALUES_DTYPE = np.dtype([(name, _values_dtype(LAYOUTS[name])) for name in KERNEL_MESSAGES])
+"""Present values of each of `KERNEL_MESSAGES`."""
 
 MESSAGE_DTYPE = np.dtype(
     [
@@ -64,7 +64,7 @@ MESSAGE_DTYPE = np.dtype(
 
 PARTNER_DTYPE = np.dtype(
     fields(
-        *("way", "sequence", "n_frames", "n_bytes"),
+        *("service_mode", "sequence", "n_frames", "n_bytes"),
         *("now_us", "system_id", "component_id"),
         *("next_address", "interval_address", "due_address", "frames_address"),
         kind="i8",
@@ -119,7 +119,7 @@ which a message is due for one of the partners again."""
 _FIRST_VALUES = {
     name: offset // 8 + 1 for name, (_, offset, *_) in (VALUES_DTYPE.fields or {}).items()
 }
-"""Index of the first value of each of `TOLD` among all doubles, behind its flag `is_known`."""
+"""Index of the first value of each of `KERNEL_MESSAGES` among all doubles, behind `is_known`."""
 
 
 def message_rows(layouts: list[Layout]) -> np.ndarray:
@@ -131,7 +131,7 @@ def message_rows(layouts: list[Layout]) -> np.ndarray:
         row["crc_seed"] = layout.crc_seed[0]
         row["payload_start"], row["packed_us"] = start, -1  # nothing is packed yet
         row["first_value"] = -1
-        if layout.name in TOLD:
+        if layout.name in KERNEL_MESSAGES:
             row["first_value"] = _FIRST_VALUES[layout.name]
             row["n_values"] = len(layout.letters)
             row["group"] = next(k for k, names in enumerate(_TOGETHER) if layout.name in names)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from flightsim.mavlink.dialect import Layout
+from flightsim.mavlink.streaming.inputs import KernelInputs
 from flightsim.mavlink.streaming.kernel import compile_streaming, stream
 from flightsim.mavlink.streaming.packing import OVERHEAD_BYTES
 from flightsim.mavlink.streaming.record import (
@@ -16,13 +17,12 @@ from flightsim.mavlink.streaming.record import (
     message_rows,
     value_types,
 )
-from flightsim.mavlink.streaming.told import Told
 
 _ANY = -1
 # The first fields of a partner are read and written as plain integers: numpy's records are slow.
-_WAY, _SEQUENCE, _N_FRAMES, _N_BYTES, _NOW_US = range(5)
+_SERVICE_MODE, _SEQUENCE, _N_FRAMES, _N_BYTES, _NOW_US = range(5)
 assert PARTNER_DTYPE.names is not None
-assert PARTNER_DTYPE.names[:5] == ("way", "sequence", "n_frames", "n_bytes", "now_us")
+assert PARTNER_DTYPE.names[:5] == ("service_mode", "sequence", "n_frames", "n_bytes", "now_us")
 assert STREAMER_DTYPE.names is not None
 _NEXT_US = STREAMER_DTYPE.names.index("next_us")
 
@@ -48,9 +48,9 @@ class Streamed:
         self._numbers = partner.data.cast("B").cast("q")
         partner["frames_address"] = self._frames.ctypes.data
 
-    def serve(self, way: int, sequence: int) -> None:
+    def serve(self, service_mode: int, sequence: int) -> None:
         """Set how the partner is served in this tick, and the number of its next frame."""
-        self._numbers[_WAY] = way
+        self._numbers[_SERVICE_MODE] = service_mode
         self._numbers[_SEQUENCE] = sequence
 
     def let_pass(self, now_us: int) -> None:
@@ -58,9 +58,9 @@ class Streamed:
         self._numbers[_NOW_US] = now_us
 
     @property
-    def way(self) -> int:
+    def service_mode(self) -> int:
         """How the partner is served in this tick."""
-        return self._numbers[_WAY]
+        return self._numbers[_SERVICE_MODE]
 
     @property
     def n_frames(self) -> int:
@@ -82,18 +82,18 @@ class Streamed:
 class Streamer:
     """Frames the due messages for all partners, in one call a tick."""
 
-    def __init__(self, layouts: Sequence[Layout], told: Told | None) -> None:
+    def __init__(self, layouts: Sequence[Layout], inputs: KernelInputs | None) -> None:
         """Prepare to stream messages of these types.
 
         Args:
             layouts: Types of messages; one is named by its index here.
-            told: Source of the messages that the kernel fills; None if Python packs them all.
+            inputs: Source of the messages that the kernel fills; None if Python packs them all.
         """
         compile_streaming()
-        self._told = told
+        self._inputs = inputs
         self._messages = message_rows(list(layouts))
         # A negative index makes the kernel ask Python for every message.
-        if told is None:
+        if inputs is None:
             self._messages["first_value"] = -1
         self._packed_us: np.ndarray = self._messages["packed_us"]
         self._n_parts: np.ndarray = self._messages["n_parts"]
@@ -116,9 +116,9 @@ class Streamer:
             "payloads": self._payloads,
             "types": self._types,
         }
-        if told is not None:
-            arrays |= {"view": told.view, "values": told.values}
-            record["plant_address"] = told.plant_address
+        if inputs is not None:
+            arrays |= {"view": inputs.view, "values": inputs.values}
+            record["plant_address"] = inputs.plant_address
         for name, array in arrays.items():
             record[f"{name}_address"] = array.ctypes.data
 
@@ -160,8 +160,8 @@ class Streamer:
         Returns:
             Time at which a message is due again, if neither rates nor partners change.
         """
-        if self._told is not None:
-            self._told.listen()
+        if self._inputs is not None:
+            self._inputs.listen()
         n_wanted = stream(self._streamer, now_us, _ANY)
         if n_wanted:
             for index in self._wanted[:n_wanted].tolist():
@@ -179,8 +179,8 @@ class Streamer:
         Returns:
             A payload for each instance of the message; none while its content is unknown.
         """
-        if self._told is not None:
-            self._told.listen()
+        if self._inputs is not None:
+            self._inputs.listen()
         stream(self._streamer, now_us, index)
         return tuple(self.payloads(index))
 

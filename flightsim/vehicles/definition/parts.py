@@ -12,7 +12,7 @@ from aeroscene.files.toml_fields import Fields
 from autonomy.model import QuadrotorParams
 from autonomy.types import Vector3
 from flightsim.vehicles.airframe import BatteryParams, BodyMesh, CameraMount
-from flightsim.vehicles.definition import derived
+from flightsim.vehicles.definition import derived_values
 from flightsim.vehicles.mesh_file import SUFFIXES, MeshFileError, check_mesh
 
 _SPARE_POWER = 1.3
@@ -113,13 +113,13 @@ def read_battery(table: Fields, quadrotor: QuadrotorParams, radius_m: float) -> 
         AirframeError: Naming the first field that is wrong.
     """
     efficiency = table.number(
-        "propulsive_efficiency", 0.02, 0.9, default=derived.PROPULSIVE_EFFICIENCY
+        "propulsive_efficiency", 0.02, 0.9, default=derived_values.PROPULSIVE_EFFICIENCY
     )
     params = BatteryParams(
         cells=table.count("cells", 1, 24),
         capacity_mah=table.number("capacity_mah", 10.0, 2e5, "mAh"),
         internal_resistance_ohm=table.number("internal_resistance_ohm", 1e-4, 5.0, "ohm"),
-        hover_power_w=derived.hover_power_w(quadrotor, radius_m, efficiency),
+        hover_power_w=derived_values.hover_power_w(quadrotor, radius_m, efficiency),
         hover_rotor_speed_radps=quadrotor.hover_speed_radps,
         avionics_power_w=table.number("avionics_power_w", 0.0, 1e3, "W"),
         n_rotors=len(quadrotor.rotors),

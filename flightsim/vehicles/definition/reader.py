@@ -15,7 +15,7 @@ from aeroscene.scene import DroneClass
 from autonomy.model import QuadrotorParams
 from autonomy.model.layout import LayoutError, check_layout
 from flightsim.vehicles.airframe import Airframe, AirframeError
-from flightsim.vehicles.definition import derived
+from flightsim.vehicles.definition import derived_values
 from flightsim.vehicles.definition.model import NamedBody, check_extent, read_mass, read_model
 from flightsim.vehicles.definition.parts import (
     read_battery,
@@ -56,7 +56,7 @@ def _airframe(document: Fields, folder: Path) -> Airframe:
     quadrotor = _rigid_body(document, body, rotor_set, named)
     x, y, z = body.vector("size_m", 3, 1e-3, 5.0, "m")
     gear = read_gear(document, quadrotor)
-    collision_m = derived.reach_m(quadrotor) + rotor_set.radius_m
+    collision_m = derived_values.reach_m(quadrotor) + rotor_set.radius_m
     check_extent(body, named, collision_m, gear.height_m)
     airframe = Airframe(
         name=name,
@@ -98,7 +98,8 @@ def _rigid_body(
     )
     # Moments of inertia m r^2, with r a share of the longest arm.
     least, most = (
-        (factor * derived.reach_m(quadrotor)) ** 2 * quadrotor.mass_kg for factor in _GYRATION
+        (factor * derived_values.reach_m(quadrotor)) ** 2 * quadrotor.mass_kg
+        for factor in _GYRATION
     )
     for moment in (ixx, iyy, izz):
         if not least <= moment <= most:
@@ -122,13 +123,13 @@ def _rigid_body(
 
 
 def _drone_class(document: Fields, quadrotor: QuadrotorParams, radius_m: float) -> DroneClass:
-    collision_m = derived.reach_m(quadrotor) + radius_m
-    drone_class = derived.drone_class(collision_m)
+    collision_m = derived_values.reach_m(quadrotor) + radius_m
+    drone_class = derived_values.drone_class(collision_m)
     if drone_class is None:
         document.fail(
             "rotors",
             f"reach {collision_m:.3g} m from the centre of mass; valid: at most "
-            f"{derived.largest_radius_m():.3g} m, for which large areas have room",
+            f"{derived_values.largest_radius_m():.3g} m, for which large areas have room",
         )
     return drone_class
 
@@ -138,17 +139,19 @@ def _rotor_details(rotor_set: RotorSet, quadrotor: QuadrotorParams) -> dict[str,
     return {
         "rotor_radius_m": rotor_set.radius_m,
         "rotor_inertia_kgm2": rotor_set.inertia_kgm2
-        or derived.rotor_inertia_kgm2(quadrotor, rotor_set.radius_m),
+        or derived_values.rotor_inertia_kgm2(quadrotor, rotor_set.radius_m),
         "rotor_imbalance_kgm": _given(
-            rotor_set.imbalance_kgm, derived.rotor_imbalance_kgm(quadrotor)
+            rotor_set.imbalance_kgm, derived_values.rotor_imbalance_kgm(quadrotor)
         ),
-        "rotor_friction_nm": _given(rotor_set.friction_nm, derived.rotor_friction_nm(quadrotor)),
+        "rotor_friction_nm": _given(
+            rotor_set.friction_nm, derived_values.rotor_friction_nm(quadrotor)
+        ),
     }
 
 
 def _thicknesses(body: Fields, quadrotor: QuadrotorParams) -> dict[str, Any]:
     """Radii of arms, legs and motors; defaults follow from the longest arm."""
-    arm_m = derived.reach_m(quadrotor)
+    arm_m = derived_values.reach_m(quadrotor)
     return {
         name: body.number(name, 5e-4, 0.2, "m", default=share * arm_m)
         for name, share in (

@@ -14,8 +14,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from aeroscene import __version__
-from scenarios.campaigns.engines.at_work import begin_work
-from scenarios.campaigns.engines.crew import GoneError, WorkerError
+from scenarios.campaigns.engines.crew import WorkerError, WorkerGoneError
+from scenarios.campaigns.engines.worker_setup import begin_work
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
 
 _SETTINGS = {
@@ -75,11 +75,11 @@ class _Actor:
     def give(self, trial: Trial) -> None:
         self.answer = self._station.fly.remote(trial)
 
-    def hear(self) -> Row | None:
+    def receive(self) -> Row | None:
         try:
             said = self._ray.get(self.answer)
         except self._ray.exceptions.RayActorError as error:
-            raise GoneError(f"its process ended: {_one_line(error)}") from None
+            raise WorkerGoneError(f"its process ended: {_one_line(error)}") from None
         except self._ray.exceptions.RayError as error:
             raise WorkerError(_one_line(error)) from None
         if isinstance(said, str):

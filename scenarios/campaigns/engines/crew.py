@@ -15,7 +15,7 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from scenarios.campaigns.engines.schedule import Schedule
-from scenarios.campaigns.flyer import Mishap, Row, Trial, blank_row, failure
+from scenarios.campaigns.flyer import NoFlightCode, Row, Trial, blank_row, failure
 
 _GRACE_S = 3.0
 """Time beyond the patience, after which the crew ends a worker.
@@ -34,7 +34,7 @@ class WorkerError(RuntimeError):
     """No trial can be flown; one line says why."""
 
 
-class GoneError(Exception):
+class WorkerGoneError(Exception):
     """A worker has ended; the message says how."""
 
 
@@ -45,11 +45,11 @@ class Worker(Protocol):
         """Have it fly a trial; a dead worker is noticed when it is heard."""
         ...
 
-    def hear(self) -> Row | None:
+    def receive(self) -> Row | None:
         """Take its next answer: first None, when it is ready, then the row of each trial.
 
         Raises:
-            GoneError: If it has ended.
+            WorkerGoneError: If it has ended.
             WorkerError: If it cannot fly at all.
         """
         ...
@@ -128,7 +128,7 @@ class Crew:
         looked_s = self._clock()
         while self._employ():
             for worker in self._engine.wait(_LOOK_S):
-                row = self._hear(worker)
+                row = self._receive(worker)
                 if row is not None:
                     yield row
             if self._clock() - looked_s >= _LOOK_S:
@@ -158,12 +158,12 @@ class Crew:
                 self._dismiss(worker)
         return bool(posts)
 
-    def _hear(self, worker: Worker) -> Row | None:
+    def _receive(self, worker: Worker) -> Row | None:
         """Take a worker's answer: return a row, or None if it is ready or gone."""
         post = self._posts[worker]
         try:
-            row = worker.hear()
-        except GoneError as error:
+            row = worker.receive()
+        except WorkerGoneError as error:
             return self._bury(worker, str(error))
         # Any answer shows that workers can start at all.
         post.is_ready = self._has_begun = True
@@ -182,7 +182,7 @@ class Crew:
         # The worker may have been the cause, so another one gets a try.
         if self._schedule.give_back(trial):
             return None
-        return blank_row(trial) | failure(Mishap.DIED, f"{how}, twice")
+        return blank_row(trial) | failure(NoFlightCode.DIED, f"{how}, twice")
 
     def _give_up(self) -> Iterator[Row]:
         """Yield the rows of the trials that take too long; their workers are ended.
@@ -196,7 +196,7 @@ class Crew:
                 self._dismiss(worker)
                 self._schedule.abandon(post.trial)
                 reason = f"no end in {self._patience_s:g} s"
-                yield blank_row(post.trial) | failure(Mishap.HUNG, reason)
+                yield blank_row(post.trial) | failure(NoFlightCode.HUNG, reason)
             # Once one was ready, later ones may take longer without ending the campaign.
             elif not self._has_begun and waited_s > _READY_S:
                 raise WorkerError(f"no worker was ready to fly within {_READY_S:g} s")

@@ -106,7 +106,7 @@ class _WaitingWorker:
         costs_s = engine.costs.first_s if is_first else engine.costs.others_s
         engine.busy(self, engine.random.choice(costs_s))
 
-    def hear(self) -> Row | None:
+    def receive(self) -> Row | None:
         return self._row
 
     def end(self) -> None:

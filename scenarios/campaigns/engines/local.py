@@ -17,8 +17,8 @@ from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from aeroscene.processes import become, fresh_processes, without_interrupts
-from scenarios.campaigns.engines.at_work import begin_work
-from scenarios.campaigns.engines.crew import GoneError, WorkerError
+from scenarios.campaigns.engines.crew import WorkerError, WorkerGoneError
+from scenarios.campaigns.engines.worker_setup import begin_work
 from scenarios.campaigns.external.program import end_program
 from scenarios.campaigns.flyer import Flyer, Row, Suite, Trial
 
@@ -61,12 +61,12 @@ class _LocalWorker:
         with contextlib.suppress(OSError):
             self.link.send(trial)
 
-    def hear(self) -> Row | None:
+    def receive(self) -> Row | None:
         try:
             said: Any = self.link.recv()
         except (EOFError, OSError):
             self._process.join(_FAREWELL_S)
-            raise GoneError(f"its process ended with {self._process.exitcode}") from None
+            raise WorkerGoneError(f"its process ended with {self._process.exitcode}") from None
         if isinstance(said, WorkerError):
             raise said
         return None if said == _READY else said
@@ -130,7 +130,7 @@ class LocalEngine:
         return self._hired
 
 
-class _ToldToEnd(BaseException):
+class _EndRequest(BaseException):
     """SIGTERM has come, or the parent is gone. No `except Exception` of a pilot catches it."""
 
 
@@ -138,7 +138,7 @@ def _work(link: Connection[Any, Any], job: _Job) -> None:
     """Fly the trials that come over a link, until it is closed."""
     try:
         become(job.environment)
-        _end_when_told()
+        _end_on_sigterm()
         begin_work(job.suite.pilot)
         with Flyer(
             job.suite, patience_s=job.patience_s, port=job.port, instance=job.instance
@@ -146,13 +146,13 @@ def _work(link: Connection[Any, Any], job: _Job) -> None:
             link.send(_READY)
             while True:
                 link.send(flyer.fly(link.recv()))
-    except (EOFError, _ToldToEnd):
+    except (EOFError, _EndRequest):
         return
     except Exception as error:  # noqa: BLE001 - whatever it is, the parent says it
         link.send(WorkerError(" ".join(str(error).split()) or type(error).__name__))
 
 
-def _end_when_told() -> None:
+def _end_on_sigterm() -> None:
     """End this process, and the program that flies for it, with SIGTERM and with the parent."""
     parent = multiprocessing.parent_process()
     assert parent is not None
@@ -160,7 +160,7 @@ def _end_when_told() -> None:
     def leave(*_: object) -> None:
         # A second signal must not interrupt the clean-up of the first.
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        raise _ToldToEnd
+        raise _EndRequest
 
     def watch() -> None:
         parent.join()

@@ -64,7 +64,7 @@ def _set_name(path: Path) -> str:
 
 
 def _read_layouts(path: Path) -> Sequence[Layout]:
-    from aeroscene.layouts.neutral import read_neutral
+    from aeroscene.layouts.neutral_format import read_neutral
 
     layouts = [
         Layout(

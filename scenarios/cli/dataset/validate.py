@@ -14,7 +14,7 @@ from scenarios.cli.command_line import EXIT_DONE, EXIT_NEGATIVE, print_json
 from scenarios.cli.dataset.options import JOBS, Data, SceneNumbers, open_scenes
 from scenarios.cli.progress import progress_bar
 from scenarios.cli.terminal import Terminal, styled, terminal
-from scenarios.dataset.drops import LEAST_SHARE, DropReport, drop_all
+from scenarios.dataset.drop_test import LEAST_SHARE, DropReport, drop_all
 from scenarios.dataset.validate import Report, first_of_each_kind, validate_all
 
 _MOST_DROPS = 1_000_000

@@ -20,7 +20,7 @@ from scenarios.chat.completions import (
     without_fence,
 )
 from scenarios.generation.prompts.instructions import instructions, schema
-from scenarios.generation.prompts.parsing.reading import plain
+from scenarios.generation.prompts.parsing.prompt_reader import plain
 from scenarios.generation.prompts.vocabulary import places, things, unmeasurable
 from scenarios.generation.prompts.wishes import Count, PromptError, Relation, Wishes, checked
 

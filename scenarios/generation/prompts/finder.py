@@ -20,7 +20,7 @@ from aeroscene.metrics.places.top_view import TopView, near_pairs
 from aeroscene.scene import Scene
 from aeroscene.scene.catalogue import ROOMS, by_name
 from aeroscene.scene.rooms import NO_ROOM, tile_groups
-from scenarios.generation.prompts.found import Found
+from scenarios.generation.prompts.instances import Found
 from scenarios.generation.prompts.relations import holds, within
 from scenarios.generation.prompts.vocabulary import Part, Thing, things
 

@@ -27,7 +27,7 @@ import shapely
 from jaxtyping import Bool, Float
 
 from aeroscene.scene.catalogue import GROUND, SHELLS
-from scenarios.generation.prompts.found import Found, is_borne_by
+from scenarios.generation.prompts.instances import Found, is_borne_by
 from scenarios.generation.prompts.wishes import RelationName
 
 _WITHIN_M = {

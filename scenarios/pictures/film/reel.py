@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 from flightsim.environment.movers import mover_name
 from flightsim.environment.traffic import TrafficCfg
 from flightsim.world import World, build_world
-from scenarios.pictures.recorded import read_airframe, read_scene
+from scenarios.pictures.recorded_story import read_airframe, read_scene
 from scenarios.pictures.story import PictureError
 from scenarios.recording import layout
 from scenarios.recording.rows import RecordedRows

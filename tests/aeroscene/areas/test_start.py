@@ -7,7 +7,7 @@ import pytest
 
 from aeroscene.areas.start import LEAST_RADIUS_M, grounds_of, start_places, with_start
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.feasibility.scenes import GARDEN, HOME, garden, thing
 from tests.aeroscene.layouts.samples import house

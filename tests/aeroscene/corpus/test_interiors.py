@@ -14,7 +14,7 @@ from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
-from aeroscene.corpus.curation.rooms.rest import furnish_rest
+from aeroscene.corpus.curation.rooms.extras import furnish_rest
 from aeroscene.corpus.curation.rooms.tables import lay, seats
 from aeroscene.corpus.curation.shells import RoomSpace, raise_shell
 from aeroscene.scene import SceneObject

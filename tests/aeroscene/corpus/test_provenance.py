@@ -9,7 +9,7 @@ def package(tmp_path):
         "scene/scene.py",
         "corpus/curation/streets.py",
         "corpus/dataset.py",
-        "layouts/neutral.py",
+        "layouts/neutral_format.py",
     ):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("x = 1\n")
@@ -23,7 +23,7 @@ def package(tmp_path):
         ("corpus/curation/streets.py", True),
         ("corpus/curation/new.py", True),
         ("corpus/dataset.py", False),
-        ("layouts/neutral.py", False),
+        ("layouts/neutral_format.py", False),
         ("corpus/curation/notes.txt", False),
     ],
 )

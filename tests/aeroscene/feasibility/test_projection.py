@@ -8,10 +8,10 @@ import pytest
 from aeroscene.feasibility import FeasibilityCfg, make_feasible
 from aeroscene.feasibility.boxes import boxes_of, forbidden_overlaps
 from aeroscene.feasibility.layout import layout_of
-from aeroscene.feasibility.settling import cut_overlaps
+from aeroscene.feasibility.overlap_repair import cut_overlaps
 from aeroscene.landform import standing_points
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.scene import Scene
 from aeroscene.sources import load_scene
 from aeroscene.validation import validate

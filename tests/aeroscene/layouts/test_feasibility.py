@@ -9,7 +9,7 @@ from aeroscene.feasibility import make_feasible
 from aeroscene.feasibility.layout import layout_of
 from aeroscene.feasibility.stages import finished
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.learning.program import decode, encode
 from aeroscene.learning.program.decoding.cfg import DecodingCfg
 from aeroscene.metrics.consistency import coarse_to_fine_consistency

@@ -14,7 +14,7 @@ from aeroscene.areas.start import LEAST_RADIUS_M
 from aeroscene.layouts import LayoutError
 from aeroscene.layouts.flyable import make_flyable, map_layout
 from aeroscene.layouts.house import build_house
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.layouts.site import FINISH_M, GROUND_M, our_box, survey
 from aeroscene.scene.geometry import penetration_depth
 from aeroscene.scene.io import scene_from_json, scene_to_json

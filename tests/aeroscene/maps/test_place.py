@@ -5,7 +5,7 @@ import pytest
 from aeroscene.maps import open_map
 from aeroscene.maps.bounds import parse_bounds
 from aeroscene.maps.place import locate
-from aeroscene.maps.reading import read_map
+from aeroscene.maps.reader import read_map
 from aeroscene.scene.footprint import footprint
 from flightsim.frames import Geodetic, LocalFrame
 from tests.aeroscene.maps.samples import OsmFile, bounds_text, degrees, town

@@ -8,7 +8,7 @@ import shapely
 
 from aeroscene.corpus.curation.composers import mixed, outdoor
 from aeroscene.corpus.field import field_scene
-from aeroscene.neighbourhood import GAP_M, MANNERS, RING_M, neighbours_of
+from aeroscene.neighbourhood import GAP_M, NEIGHBOURHOOD_STYLES, RING_M, neighbours_of
 from aeroscene.neighbourhood.plots import Plot
 from aeroscene.neighbourhood.streets import streets_around
 from aeroscene.scene.catalogue import ROADS
@@ -103,12 +103,12 @@ def test_a_road_that_ends_at_the_edge_goes_on_and_one_that_meets_another_does_no
 
 
 def test_in_the_country_fields_begin_and_in_town_they_do_not():
-    rural = {name for name, manner in MANNERS.items() if manner.is_rural}
+    rural = {name for name, style in NEIGHBOURHOOD_STYLES.items() if style.is_rural}
     assert rural == {"park", "hillside", "village"}
 
 
 def test_every_theme_of_the_open_air_has_a_manner():
-    assert {*outdoor.THEMES, *mixed.THEMES} <= set(MANNERS)
+    assert {*outdoor.THEMES, *mixed.THEMES} <= set(NEIGHBOURHOOD_STYLES)
 
 
 def test_neighbours_of_a_relief_stand_on_it():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from aeroscene.solids import field_cache
-from aeroscene.solids.field_cache import forget, kept_distance_field
+from aeroscene.solids.field_cache import cached_distance_field, forget
 from aeroscene.solids.freespace import build_distance_field
 from aeroscene.solids.shapes import scene_primitives
 
@@ -23,7 +23,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def kept(scene, resolution_m=0.5):
-    return kept_distance_field(scene, resolution_m, scene_primitives(scene))
+    return cached_distance_field(scene, resolution_m, scene_primitives(scene))
 
 
 def assert_same(field, other):

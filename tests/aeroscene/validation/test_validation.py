@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aeroscene.areas.landing import derive_interaction_areas
-from aeroscene.areas.reach import FIELD_CAP_M
+from aeroscene.areas.reachability import FIELD_CAP_M
 from aeroscene.scene import InteractionArea, OrientedBox, Scene, SceneObject
 from aeroscene.scene.box import quat_from_yaw
 from aeroscene.scene.catalogue import category_id

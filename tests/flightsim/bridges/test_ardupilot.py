@@ -43,14 +43,14 @@ def exchange(plant, bridge, stand_in, pulses=OFF):
     stand_in.ask(pulses)
     outputs = bridge.receive(5.0)
     plant.advance()
-    bridge.tell(plant)
+    bridge.send_state(plant)
     return outputs, stand_in.take()
 
 
 def test_every_request_is_one_step_and_one_answer(plant, ends):
     bridge, stand_in = ends
     assert bridge.receive(0.01) is None
-    bridge.tell(plant)
+    bridge.send_state(plant)
     assert stand_in.is_quiet()  # Nobody has asked.
     times = [exchange(plant, bridge, stand_in)[1]["timestamp"] for _ in range(20)]
     assert times == pytest.approx(0.02 * np.arange(1, 21))
@@ -76,7 +76,7 @@ def test_pulses_become_shares_of_full_output(plant, ends):
 
 def test_the_state_is_ned_and_frd_from_where_the_vehicle_was(plant, ends):
     bridge, stand_in = ends
-    bridge.tell(plant)  # Here the origin is.
+    bridge.send_state(plant)  # Here the origin is.
     away_enu_m, rate_flu = np.array([3.0, 5.0, 2.0]), (0.1, 0.2, 0.3)
     enu_from_flu = Rotation.from_euler("ZYX", (0.9, -0.2, 0.1))
     plant.data.qpos[:3] += away_enu_m
@@ -85,7 +85,7 @@ def test_the_state_is_ned_and_frd_from_where_the_vehicle_was(plant, ends):
     stand_in.ask()
     bridge.receive(5.0)
     plant._read_afresh()
-    bridge.tell(plant)
+    bridge.send_state(plant)
     state = stand_in.take()
     assert state["position"] == pytest.approx((5.0, 3.0, -2.0), abs=1e-5)
     assert state["velocity"] == pytest.approx((2.0, 1.0, 0.5), abs=1e-5)
@@ -146,7 +146,7 @@ def test_nothing_beyond_reach_is_no_number_that_json_lacks(plant, ends):
     bridge, stand_in = ends
     stand_in.ask()
     bridge.receive(5.0)
-    bridge.tell(plant)
+    bridge.send_state(plant)
     assert stand_in.take()["rng_1"] > 100.0
 
 

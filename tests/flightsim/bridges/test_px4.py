@@ -91,14 +91,14 @@ def test_nobody_is_there_at_first(bridge):
 def test_time_passes_by_the_wall_clock_until_px4_answers_and_then_by_its_answers(
     plant, bridge, stand_in
 ):
-    bridge.tell(plant)
+    bridge.send_state(plant)
     assert bridge.receive(1.0) == (0.0, 0.0, 0.0, 0.0)
-    bridge.tell(plant)
+    bridge.send_state(plant)
     sensor = stand_in.take()["HIL_SENSOR"]
     stand_in.answer(sensor.time_usec, (0.1, 0.2, 0.3, 0.4))
     assert bridge.receive(1.0) == pytest.approx((0.1, 0.2, 0.3, 0.4))
     plant.advance()
-    bridge.tell(plant)
+    bridge.send_state(plant)
     assert bridge.receive(0.05) is None  # It waits.
     stand_in.answer(sensor.time_usec, (0.9,) * 4)  # to the step before, once more
     assert bridge.receive(0.05) is None
@@ -109,11 +109,11 @@ def test_time_passes_by_the_wall_clock_until_px4_answers_and_then_by_its_answers
 
 
 def test_disarmed_outputs_are_off(plant, bridge, stand_in):
-    bridge.tell(plant)
+    bridge.send_state(plant)
     time_us = stand_in.take()["HIL_SENSOR"].time_usec
     stand_in.answer(time_us, (0.5, math.nan, 0.5, 0.5), mode=0)
     assert bridge.receive(1.0) == (0.0,) * 4
-    bridge.tell(plant)
+    bridge.send_state(plant)
     stand_in.answer(time_us, (0.5, math.nan, 0.5, 0.5))
     assert bridge.receive(1.0) == (0.5, 0.0, 0.5, 0.5)
 
@@ -121,7 +121,7 @@ def test_disarmed_outputs_are_off(plant, bridge, stand_in):
 def test_samples_come_in_the_units_and_frames_of_px4(plant, bridge, stand_in):
     for _ in range(50):
         plant.advance()
-    bridge.tell(plant)
+    bridge.send_state(plant)
     told = stand_in.take()
     sensor, gps, state = told["HIL_SENSOR"], told["HIL_GPS"], told["HIL_STATE_QUATERNION"]
     assert sensor.id == 0
@@ -141,7 +141,7 @@ def test_samples_come_in_the_units_and_frames_of_px4(plant, bridge, stand_in):
     assert np.linalg.norm(state.attitude_quaternion) == pytest.approx(1.0)
     assert 0 < told["DISTANCE_SENSOR"].current_distance < 30
     # A sample that has been sent is not sent as a new one.
-    bridge.tell(plant)
+    bridge.send_state(plant)
     again = stand_in.take()
     assert again["HIL_SENSOR"].fields_updated == 0b111111
     assert "HIL_GPS" not in again
@@ -151,7 +151,7 @@ def test_answers_are_read_in_pieces_and_beside_other_messages(plant, bridge, sta
     parser = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
     heartbeat = mavlink.MAVLink_heartbeat_message(2, 12, 0, 0, 0, 3).pack(parser)
     for level, (before, cut) in enumerate(((b"", 0), (heartbeat, 0), (b"", 5), (heartbeat, 30))):
-        bridge.tell(plant)
+        bridge.send_state(plant)
         time_us = stand_in.take()["HIL_SENSOR"].time_usec
         controls = (0.1 * level,) * 4 + (0.0,) * 12
         answer = mavlink.MAVLink_hil_actuator_controls_message(time_us, controls, ARMED, LOCKSTEP)
@@ -166,11 +166,11 @@ def test_answers_are_read_in_pieces_and_beside_other_messages(plant, bridge, sta
 
 
 def test_nobody_else_takes_the_place_of_a_px4_that_answers(plant, bridge, stand_in):
-    bridge.tell(plant)
+    bridge.send_state(plant)
     stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.5,) * 4)
     assert bridge.receive(1.0) is not None
     plant.advance()
-    bridge.tell(plant)
+    bridge.send_state(plant)
     for _ in range(2):
         with socket.create_connection(("127.0.0.1", PORT + own_instance()), timeout=5.0) as other:
             assert bridge.receive(0.2) is None
@@ -183,15 +183,15 @@ def test_nobody_else_takes_the_place_of_a_px4_that_answers(plant, bridge, stand_
 
 
 def test_px4_that_begins_anew_is_served(plant, bridge, stand_in):
-    bridge.tell(plant)
+    bridge.send_state(plant)
     stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.5,) * 4)
     assert bridge.receive(1.0) is not None
     stand_in.close()
-    bridge.tell(plant)
+    bridge.send_state(plant)
     assert bridge.receive(0.1) is None
     second = StandIn(PORT + own_instance())
     assert bridge.receive(1.0) is not None  # off, while it starts
-    bridge.tell(plant)
+    bridge.send_state(plant)
     second.answer(second.take()["HIL_SENSOR"].time_usec, (0.7,) * 4)
     assert bridge.receive(1.0) == pytest.approx((0.7,) * 4)
     assert bridge.n_restarts == 1
@@ -201,7 +201,7 @@ def test_px4_that_begins_anew_is_served(plant, bridge, stand_in):
 
 def test_no_lockstep_and_no_mavlink_are_each_said_once(plant, bridge, stand_in):
     for _ in range(2):
-        bridge.tell(plant)
+        bridge.send_state(plant)
         stand_in.socket.sendall(b"GET / HTTP/1.1\r\n\r\n")
         stand_in.answer(stand_in.take()["HIL_SENSOR"].time_usec, (0.5,) * 4, flags=0)
         assert bridge.receive(1.0) == (0.5,) * 4
@@ -270,15 +270,15 @@ def test_px4_that_we_start_keeps_no_logs_since_they_would_go_with_its_folder(tmp
 
 
 def test_what_passes_in_lockstep_is_counted(plant, bridge, stand_in):
-    bridge.tell(plant)
+    bridge.send_state(plant)
     assert bridge.receive(1.0) == (0.0,) * 4  # It starts.
-    bridge.tell(plant)
+    bridge.send_state(plant)
     time_us = stand_in.take()["HIL_SENSOR"].time_usec
     for _ in range(2):
         stand_in.answer(time_us, (0.5,) * 4)
     assert bridge.receive(1.0) is not None
     plant.advance()
-    bridge.tell(plant)
+    bridge.send_state(plant)
     stand_in.answer(time_us, (0.5,) * 4)  # late
     stand_in.answer(time_us + 40_000, (0.5,) * 4)  # of a step that has not been
     assert bridge.receive(1.0) is not None

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from aeroscene.corpus.field import field_scene
-from flightsim.environment.shelter import Grid, flow_at, kept_shelter
+from flightsim.environment.shelter import Grid, cached_shelter, flow_at
 from flightsim.environment.shelter.mass_consistent import mass_consistent
 from flightsim.environment.shelter.shelter import blocks_of, solve_shelter
 from tests.aeroscene.scene.test_outline import L_SHAPE, outlined
@@ -119,12 +119,12 @@ def test_a_solved_field_is_kept_and_a_damaged_one_replaced(tmp_path, monkeypatch
     monkeypatch.setenv("AEROSCENE_CACHE_DIR", str(tmp_path))
     monkeypatch.delenv("AEROSCENE_CACHE", raising=False)
     grid = Grid((-20.0, -20.0, 0.0), (20, 20, 10))
-    once = kept_shelter(grid, BLOCK, np.zeros((20, 20)), EAST)
+    once = cached_shelter(grid, BLOCK, np.zeros((20, 20)), EAST)
     (path,) = (tmp_path / "winds").iterdir()
     path.write_bytes(path.read_bytes()[:100])
-    again = kept_shelter(grid, BLOCK, np.zeros((20, 20)), EAST)
+    again = cached_shelter(grid, BLOCK, np.zeros((20, 20)), EAST)
     np.testing.assert_array_equal(once, again)
-    kept_shelter(grid, BLOCK, np.zeros((20, 20)), (math.cos(0.3), math.sin(0.3)))
+    cached_shelter(grid, BLOCK, np.zeros((20, 20)), (math.cos(0.3), math.sin(0.3)))
     assert len(list((tmp_path / "winds").iterdir())) == 2
 
 

@@ -162,6 +162,6 @@ def test_heartbeats_come_once_a_second_and_nothing_else_unasked(flight):
 def test_a_text_of_several_pieces_is_read_as_one(flight):
     flight = connected(flight())
     text = "Failsafe activated: position lost, and this is longer than one message holds"
-    flight.bench.autopilot._events.say(Severity.WARNING, text)
+    flight.bench.autopilot._events.report(Severity.WARNING, text)
     flight.bench.run(2.0)
     assert text in [said for _, said in flight.client.telemetry.texts]

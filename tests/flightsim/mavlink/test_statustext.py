@@ -11,7 +11,7 @@ from tests.flightsim.mavlink.wire import Loop
 def _said(text: str) -> list:
     loop, partners = Loop(), Partners()
     partners.channels = [loop.channel]
-    StatustextSender(partners).say(Severity.WARNING, text)
+    StatustextSender(partners).broadcast(Severity.WARNING, text)
     return loop.answers()
 
 

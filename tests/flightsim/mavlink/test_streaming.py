@@ -12,7 +12,7 @@ from flightsim.mavlink.dialect import LAYOUTS
 from flightsim.mavlink.dialect import dialect as mav
 from flightsim.mavlink.outbox import LONG_LOCAL_BYTES
 from flightsim.mavlink.personalities import ARDUPILOT, PX4
-from flightsim.mavlink.streaming import MOST_PARTS, TOLD, Streamer, Told
+from flightsim.mavlink.streaming import KERNEL_MESSAGES, MOST_PARTS, KernelInputs, Streamer
 from flightsim.mavlink.streams import StreamTable
 from flightsim.sensors.failure import Failure
 from tests.flightsim.mavlink.conftest import Flight
@@ -55,7 +55,7 @@ def _payload(name, frame):
 
 
 def _stream_everything(flight):
-    for name in TOLD:
+    for name in KERNEL_MESSAGES:
         wanted = (LAYOUTS[name].message_id, 20_000)
         assert flight.command(mav.MAV_CMD_SET_MESSAGE_INTERVAL, *wanted) == 0
 
@@ -67,7 +67,7 @@ def test_every_compiled_message_says_what_python_would(flight):
     def compare():
         frames = _frames_of(flight)
         expected = Said(flight)
-        for name in TOLD:
+        for name in KERNEL_MESSAGES:
             fields = expected.of(name)
             assert (name in frames) == (fields is not None), name
             if fields is not None:
@@ -82,7 +82,7 @@ def test_every_compiled_message_says_what_python_would(flight):
     )
     for _ in range(150):
         compare()
-    assert said == set(TOLD)
+    assert said == set(KERNEL_MESSAGES)
     flight.plant.failures.fail_sensor("gnss", Failure.OFF)
     compare()
 
@@ -103,13 +103,13 @@ def test_every_streamed_frame_is_one_of_pymavlinks_own(field, personality):
 def test_a_diverged_estimate_is_not_told(flight):
     _stream_everything(flight)
     flight.become_ready()
-    expected = set(TOLD) - {"POSITION_TARGET_LOCAL_NED"}
+    expected = set(KERNEL_MESSAGES) - {"POSITION_TARGET_LOCAL_NED"}
     targets = {"POSITION_TARGET_GLOBAL_INT", "NAV_CONTROLLER_OUTPUT"}
     assert set(_frames_of(flight)) >= expected - targets
-    told = Told(flight.server._view)
-    streamer = Streamer([LAYOUTS[name] for name in TOLD], told)
-    place, attitude = TOLD.index("LOCAL_POSITION_NED"), TOLD.index("ATTITUDE")
-    whole = TOLD.index("GLOBAL_POSITION_INT")
+    told = KernelInputs(flight.server._view)
+    streamer = Streamer([LAYOUTS[name] for name in KERNEL_MESSAGES], told)
+    place, attitude = KERNEL_MESSAGES.index("LOCAL_POSITION_NED"), KERNEL_MESSAGES.index("ATTITUDE")
+    whole = KERNEL_MESSAGES.index("GLOBAL_POSITION_INT")
     position = flight.plant.filter["position_enu_m"]
     for wrong, is_told in ((1e30, True), (1e39, False), (math.inf, True), (math.nan, True)):
         position[0] = wrong
@@ -133,7 +133,7 @@ def test_ticks_at_which_nothing_is_due_are_passed_over_and_nothing_else_changes(
     n_ticks, n_quiet, n_bytes = 1000, 0, 0
     for _ in range(n_ticks):
         if rng.random() < 0.05:
-            name, interval_us = rng.choice(TOLD), rng.choice((-1, 66_667, 100_000, 1e6))
+            name, interval_us = rng.choice(KERNEL_MESSAGES), rng.choice((-1, 66_667, 100_000, 1e6))
             asked = (511, 0, LAYOUTS[name].message_id, interval_us, 0, 0, 0, 0, 0)
             for each in flights:
                 each.send("COMMAND_LONG", 1, 1, *asked)
@@ -244,7 +244,7 @@ def test_a_tick_that_is_longer_than_a_datagram_is_divided_between_frames():
 def test_what_is_asked_for_in_a_tick_does_not_make_its_stream_old(flight):
     flight.become_ready()
     flight.autopilot.set_home(None)
-    told = Told(flight.server._view)
+    told = KernelInputs(flight.server._view)
     streamer = Streamer([LAYOUTS["ALTITUDE"]], told)
     (before,) = streamer.fill(0, flight.plant.time_us)
     place = flight.autopilot.home.geodetic

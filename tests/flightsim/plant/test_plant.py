@@ -17,7 +17,7 @@ from autonomy.types import IDLE, OFF, ControlLevel, Setpoint
 from flightsim.environment.wind import WindCfg, WindError
 from flightsim.plant import Fleet, NotAlignedError, Plant
 from flightsim.plant.cfg import PlantCfg, PlantError
-from flightsim.plant.compiling import example_arguments
+from flightsim.plant.compilation import example_arguments
 from flightsim.plant.kernel import advance
 from flightsim.sensors.failure import Failure
 from flightsim.vehicles.catalogue import AIRFRAMES

@@ -30,7 +30,7 @@ from scenarios.run.cfg import SitlCfg
 from scenarios.run.companion import Insight
 from scenarios.run.sitl import Sitl
 from scenarios.trials.verdict import Code, Fate
-from scenarios.words.choosing import choose_goal
+from scenarios.words.goal_choice import choose_goal
 
 HUMMINGBIRD = airframe_by_name("hummingbird")
 

@@ -7,7 +7,7 @@ import pytest
 
 from aeroscene.sources import load_scene
 from flightsim.vehicles import airframe_by_name
-from flightsim.vehicles.touching import VEHICLE_CONTACT_BIT
+from flightsim.vehicles.contact_filter import VEHICLE_CONTACT_BIT
 from flightsim.world import build_world
 from scenarios.bench.collisions import Collider
 

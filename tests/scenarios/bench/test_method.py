@@ -9,7 +9,7 @@ from aeroscene.learning.paper.boxes import FlatBoxes
 from aeroscene.learning.paper.training_set import flat_training_set
 from aeroscene.learning.training.checkpoint import read_checkpoint
 from scenarios.bench.configs import BenchError, MethodBenchCfg
-from scenarios.bench.memorising import _Off, memorising_rows
+from scenarios.bench.memorisation import _Off, memorising_rows
 from scenarios.bench.method import _Judged, rows
 from tests.aeroscene.conftest import SAMPLE, cached_scene
 from tests.scenarios.small_corpus import write_corpus

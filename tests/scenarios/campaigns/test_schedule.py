@@ -4,7 +4,7 @@ from collections import Counter
 
 import pytest
 
-from scenarios.campaigns.engines.crew import Crew, GoneError, WorkerError
+from scenarios.campaigns.engines.crew import Crew, WorkerError, WorkerGoneError
 from scenarios.campaigns.engines.forecast import Costs, forecast
 from scenarios.campaigns.engines.schedule import Schedule
 from scenarios.campaigns.flyer import Trial
@@ -75,8 +75,8 @@ class Stillborn:
     def wait(self, _):
         return (self,)
 
-    def hear(self):
-        raise GoneError("no memory")
+    def receive(self):
+        raise WorkerGoneError("no memory")
 
     def end(self):
         pass

@@ -18,7 +18,7 @@ from aeroscene.learning.training.checkpoint import read_checkpoint, write_checkp
 from aeroscene.scene.io import read_scene, write_scene
 from aeroscene.validation import validate
 from scenarios.cli.main import main
-from scenarios.generation.asked import GenerateError, outline_sides_m
+from scenarios.generation.text_options import GenerateError, outline_sides_m
 from tests.aeroscene.conftest import cached_scene
 from tests.aeroscene.learning.training.test_data import layouts
 from tests.scenarios.cli.test_train import TINY

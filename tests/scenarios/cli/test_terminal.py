@@ -22,7 +22,7 @@ from scenarios.cli.layouts import run as run_layouts
 from scenarios.cli.report import print_summary
 from scenarios.cli.sitl_words import print_results
 from scenarios.cli.terminal import plain_column, shell, styled, terminal
-from scenarios.dataset.drops import DropReport
+from scenarios.dataset.drop_test import DropReport
 from scenarios.dataset.validate import Report
 from scenarios.doctor.check import Check
 from scenarios.doctor.diagnosis import Diagnosis

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.scene import Scene
 from scenarios.cli.main import main
 from scenarios.evaluation.class_colours import HALF_M, ClassPictures
 from scenarios.evaluation.renders import PIXELS
-from scenarios.evaluation.rows import told_apart
+from scenarios.evaluation.rows import classification_accuracy
 from tests.aeroscene.layouts.samples import house
 
 
@@ -88,6 +88,6 @@ def test_pictures_of_one_kind_are_a_guess_and_others_give_themselves_away():
     rng = np.random.default_rng(3)
     real, alike = rng.normal(size=(60, 1, 40)), rng.normal(size=(60, 1, 40))
     other = alike + np.where(np.arange(40) < 5, 4.0, 0.0)
-    guess, seen = (told_apart(each, real, rng) for each in (alike, other))
+    guess, seen = (classification_accuracy(each, real, rng) for each in (alike, other))
     assert guess.low < 50.0 < guess.high
     assert seen.value > 95.0

@@ -13,7 +13,7 @@ from msgspec import structs
 from aeroscene.corpus.dataset import store_scene, write_manifest
 from aeroscene.landform import level
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.learning.baselines.presets import without
 from aeroscene.learning.generation import loading
 from aeroscene.learning.generation.denoising import Denoising

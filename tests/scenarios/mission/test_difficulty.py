@@ -11,7 +11,7 @@ from scenarios.mission.difficulty import (
     Difficulty,
     Way,
     measure_difficulty,
-    measure_ways,
+    measure_paths,
 )
 from scenarios.mission.surroundings import MissionError
 from tests.scenarios.landing_scenes import field, thing
@@ -31,7 +31,7 @@ def maze():
 
 
 def test_a_maze_is_harder_than_the_field_that_it_stands_in():
-    straight, winding = measure_ways(field(), IRIS)[0], measure_ways(maze(), IRIS)[0]
+    straight, winding = measure_paths(field(), IRIS)[0], measure_paths(maze(), IRIS)[0]
     assert straight.over_straight == pytest.approx(1.0, abs=1e-3)
     assert straight.quarter_turns < 0.2
     assert winding.over_straight > 1.2

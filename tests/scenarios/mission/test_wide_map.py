@@ -8,7 +8,7 @@ import pytest
 from aeroscene.solids import field_cache, wide_field
 from aeroscene.sources import load_scene
 from autonomy.mapping import GivenMap, WideMap
-from autonomy.mapping.coarse_way import coarse_way
+from autonomy.mapping.coarse_path import coarse_path
 from autonomy.planning import PlanningError
 from flightsim.vehicles import airframe_by_name
 from scenarios.mission.goals import fitting_areas, is_indoor
@@ -84,6 +84,6 @@ def test_the_coarse_way_joins_its_ends_in_short_steps(scene_42, iris):
     mission = plan_mission(scene_42, iris)
     known = mission.surroundings.map
     ends = np.array([mission.takeoff_enu_m, mission.hover_enu_m])
-    way = coarse_way(known.coarse, ends, known.radius_m)
+    way = coarse_path(known.coarse, ends, known.radius_m)
     assert np.allclose(way[[0, -1]], ends)
     assert np.linalg.norm(np.diff(way, axis=0), axis=1).max() < 2.0

@@ -1,7 +1,7 @@
 import pytest
 
 from flightsim.testbench import TestbenchCfg, TestbenchError
-from scenarios.pictures.recorded import read_story
+from scenarios.pictures.recorded_story import read_story
 from scenarios.pictures.tape import FlightTape
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl

@@ -10,7 +10,7 @@ from autonomy.planning import CertificateError
 from flightsim.autopilot.modes import Mode
 from flightsim.sensors.failure import Failure
 from scenarios.pilot import Phase
-from scenarios.pilot.last_stretch import LAST_HEIGHT_M
+from scenarios.pilot.final_descent import LAST_HEIGHT_M
 from tests.scenarios.landing_scenes import FAR_LAWN, ON_LAWN, field, thing, yard
 
 

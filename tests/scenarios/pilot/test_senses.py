@@ -7,7 +7,7 @@ import pytest
 
 from flightsim.vehicles.catalogue import AIRFRAMES
 from scenarios.mission.surroundings import survey
-from scenarios.pilot.eyes import NoDepthError
+from scenarios.pilot.depth_frames import NoDepthError
 from scenarios.pilot.senses import AHEAD, LOOK_PERIOD_US, OVERHEAD, Senses
 from tests.flightsim.handmade import empty_scene
 

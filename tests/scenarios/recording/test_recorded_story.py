@@ -4,7 +4,7 @@ import rerun as rr
 
 from scenarios.cli import replay
 from scenarios.pictures import PictureError
-from scenarios.pictures.recorded import read_story
+from scenarios.pictures.recorded_story import read_story
 from tests.scenarios.recording.conftest import (
     CHOICE_ENU_M,
     LANDING,

@@ -9,7 +9,7 @@ from autonomy.types import IDLE
 from flightsim.plant import Plant, PlantCfg
 from flightsim.vehicles.catalogue import AIRFRAMES
 from flightsim.world import build_world
-from scenarios.pictures.recorded import read_airframe
+from scenarios.pictures.recorded_story import read_airframe
 from scenarios.recording.metadata import RunInfo
 from scenarios.recording.recorder import Recorder
 from scenarios.recording.rows import RecordedRows

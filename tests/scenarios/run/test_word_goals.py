@@ -11,7 +11,7 @@ from scenarios.baselines.straight_line import StraightLinePilot
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
 from scenarios.trials.verdict import Code, Fate, Verdict
-from scenarios.words.choosing import WordsError, choose_goal
+from scenarios.words.goal_choice import WordsError, choose_goal
 
 QUICK = TestbenchCfg(speed="max")
 PAD = field_scene().interaction_areas[0]

@@ -14,11 +14,17 @@ from flightsim.plant.timed_failures import parse_failures
 from flightsim.vehicles.catalogue import AIRFRAMES, airframe_by_name
 from scenarios.mission.goals import fitting_areas, is_indoor
 from scenarios.mission.surroundings import sphere_radius_m
+from scenarios.tasks.path_difficulty import (
+    GRADES,
+    MOST_POINTS,
+    THIRDS,
+    PathFigures,
+    least_navigation_s,
+)
 from scenarios.tasks.reach import NoTaskError
 from scenarios.tasks.recipe import Recipe
 from scenarios.tasks.sampler import MOST_SHARE, Sampler
-from scenarios.tasks.way import GRADES, MOST_POINTS, THIRDS, WayFigures, least_navigation_s
-from scenarios.words.choosing import choose_goal
+from scenarios.words.goal_choice import choose_goal
 from tests.scenarios.landing_scenes import field, thing
 
 IRIS = AIRFRAMES["iris"]
@@ -81,9 +87,9 @@ def test_grades_follow_from_the_thirds():
     middle = {name: (low + high) / 2 for name, (low, high) in THIRDS.items()}
     easy = {name: low for name, (low, _) in THIRDS.items()}
     hard = {name: high + (high - low) for name, (low, high) in THIRDS.items()}
-    assert [WayFigures(**each).points for each in (easy, middle, hard)] == [0, 4, 8]
-    assert WayFigures(**easy).grade == "easy"
-    assert WayFigures(**hard).grade == "hard"
+    assert [PathFigures(**each).points for each in (easy, middle, hard)] == [0, 4, 8]
+    assert PathFigures(**easy).grade == "easy"
+    assert PathFigures(**hard).grade == "hard"
     assert list(MOST_POINTS) == list(GRADES)
 
 

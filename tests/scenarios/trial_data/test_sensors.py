@@ -25,7 +25,7 @@ from scenarios.recording import Recorder, RunInfo, layout
 from scenarios.trial_data.csv_folder import write_csv
 from scenarios.trial_data.dataset.frames import FrameDataset
 from scenarios.trial_data.dataset.write import add_trial
-from scenarios.trial_data.left_out import left_out
+from scenarios.trial_data.omissions import left_out
 from scenarios.trial_data.reading import read_trial
 from scenarios.trial_data.rosbag import BAG_TABLES, write_bag
 from scenarios.trial_data.tables import GAUGES, TABLES

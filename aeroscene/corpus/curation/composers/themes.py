@@ -18,7 +18,6 @@ from aeroscene.corpus.curation.composition import Composition, Place
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.parcels import Parcel
 from aeroscene.corpus.curation.places.allotments import Allotments
-from aeroscene.corpus.curation.places.bordered import Bordered, outer_sides
 from aeroscene.corpus.curation.places.clinic import Clinic
 from aeroscene.corpus.curation.places.closed_block import ClosedBlock
 from aeroscene.corpus.curation.places.construction import Construction
@@ -36,6 +35,7 @@ from aeroscene.corpus.curation.places.retail import Retail
 from aeroscene.corpus.curation.places.row_houses import RowHouses
 from aeroscene.corpus.curation.places.school import School
 from aeroscene.corpus.curation.places.shops import Shops
+from aeroscene.corpus.curation.places.site_borders import Bordered, outer_sides
 from aeroscene.corpus.curation.places.sports_ground import SportsGround
 from aeroscene.corpus.curation.places.square import Square
 from aeroscene.corpus.curation.places.station import Station

@@ -9,9 +9,9 @@ from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
 from aeroscene.corpus.curation.indoor.floor_plan import Building, FloorPlan, sure
 from aeroscene.corpus.curation.indoor.galleries import guard_gallery, lay_upper_slabs
-from aeroscene.corpus.curation.indoor.laying import lay_room
 from aeroscene.corpus.curation.indoor.partitions import raise_walls
 from aeroscene.corpus.curation.indoor.plans import START_M, open_place
+from aeroscene.corpus.curation.indoor.room_placement import lay_room
 from aeroscene.corpus.curation.indoor.walls import insets
 from aeroscene.corpus.curation.indoor.zones import (
     Border,

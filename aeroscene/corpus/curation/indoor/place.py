@@ -14,7 +14,7 @@ from aeroscene.corpus.curation.indoor.floor_plan import Building
 from aeroscene.corpus.curation.indoor.plans import clear_end_m
 from aeroscene.corpus.curation.indoor.zones import Zone
 from aeroscene.corpus.curation.interiors import FURNISHINGS, Interior
-from aeroscene.corpus.curation.rooms.rest import furnish_rest
+from aeroscene.corpus.curation.rooms.extras import furnish_rest
 from aeroscene.corpus.curation.rooms.uses import USES
 from aeroscene.corpus.curation.start import PAD_M, NoStartError
 

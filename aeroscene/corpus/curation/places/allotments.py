@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.seating import set_table
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround
 
 _PLOT_M = 7.6
 """Typical width of one garden."""
@@ -92,7 +92,7 @@ class Allotments:
         """Grow beds, fruit trees, compost bins, a table here and there, objects along the path."""
         ground = self.ground
         growths = [self._tend(garden) for garden in self._gardens]
-        yield from in_turn(*growths, self._line_path())
+        yield from interleave(*growths, self._line_path())
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         ground.scatter("bush", 3, near=(-half, half, 0.2, depth))
         yield

@@ -8,9 +8,9 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, STREETWARD
-from aeroscene.corpus.curation.places.bearing import Bearing, beneath, on_top
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.roadside import park
+from aeroscene.corpus.curation.places.support_surfaces import Bearing, beneath, on_top
 from aeroscene.solids.shapes.ground import BAY_WIDTH_M
 
 TWO_ROWS_M = 15.6

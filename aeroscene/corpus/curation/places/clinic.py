@@ -8,16 +8,16 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     add_flat_roof,
     furnish_flat_roof,
     roof_top,
 )
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _WING_M = (7.5, 9.0)
@@ -113,7 +113,7 @@ class Clinic:
         ground, draw = self.ground, self.ground.draw
         # The first roof is the main wing's, which has the pad.
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._roofs[1:]]
-        yield from in_turn(self._crown(), self._arrive(), *roofs, self._rest())
+        yield from interleave(self._crown(), self._arrive(), *roofs, self._rest())
 
     def _crown(self) -> Iterator[None]:
         """The pad for helicopters in the middle of the main roof, machines at its ends."""

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     TILES,
@@ -25,7 +25,7 @@ from aeroscene.corpus.curation.places.rooftops import (
 )
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import picnic
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _FRONTS = Fronts(width_m=13.5, least_m=7.5, storeys=(3, 5), forms=("plain", "plain", "podium"))
@@ -179,7 +179,7 @@ class ClosedBlock:
         """Grow machines and chimneys on the roofs, bicycles, bins and trees in the court."""
         ground, draw = self.ground, self.ground.draw
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._flat]
-        yield from in_turn(self._live(), *roofs, self._chimneys(), self._plant())
+        yield from interleave(self._live(), *roofs, self._chimneys(), self._plant())
 
     def _chimneys(self) -> Iterator[None]:
         for roof in self._pitched:

@@ -8,7 +8,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.boundary import enclose
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
@@ -20,8 +19,9 @@ from aeroscene.corpus.curation.places.goods import (
     stack_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 
 _WALL_M = (0.25, 2.9)
 """Thickness and height of a wall of the first storey."""
@@ -145,7 +145,7 @@ class Construction:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         floor = (-half + 1.0, half - 1.0, 4.5, depth - 1.0)
         bearing = OpenGround(ground)
-        yield from in_turn(
+        yield from interleave(
             self._build(), self._drive(), self._staff(), range_goods(ground, bearing, floor, 8)
         )
 

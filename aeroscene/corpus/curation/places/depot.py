@@ -8,10 +8,9 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.boundary import enclose
 from aeroscene.corpus.curation.places.filling import fill_up
-from aeroscene.corpus.curation.places.furnished import furnish, raise_hall
+from aeroscene.corpus.curation.places.furnished_buildings import furnish, raise_hall
 from aeroscene.corpus.curation.places.goods import (
     crate_stack,
     paint,
@@ -21,8 +20,9 @@ from aeroscene.corpus.curation.places.goods import (
     set_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 from aeroscene.corpus.curation.shells import RoomSpace
 
 _DOCK_M = (2.4, 1.0)
@@ -116,7 +116,7 @@ class Depot:
         if self._rooms:
             stock = furnish(ground, self._rooms, (ground.draw.one_of(("racks", "goods")),))
         bearing = OpenGround(ground)
-        yield from in_turn(
+        yield from interleave(
             self._load(), stock, self._attend(), range_goods(ground, bearing, apron, 8)
         )
 

@@ -8,13 +8,13 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint, pallet_row
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.rooftops import add_chimney, add_pitched_roof
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _HOUSE_M = (7.6, 10.0, 5.8)
@@ -103,7 +103,7 @@ class Farm:
 
     def details(self) -> Iterator[None]:
         """Grow tractors and trailers, hay, a silo; fruit trees in rows, rows of plants."""
-        yield from in_turn(self._work(), self._live(), self._grow(), self._plant())
+        yield from interleave(self._work(), self._live(), self._grow(), self._plant())
 
     def _work(self) -> Iterator[None]:
         """A lorry in the yard, hay under the shed, a silo beside the barn, crates and pallets."""

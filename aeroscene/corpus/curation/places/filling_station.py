@@ -8,13 +8,13 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _ROOF_M = (7.0, 12.0, 5.2)
@@ -76,7 +76,7 @@ class FillingStation:
         roof = iter(())
         if self._roof:
             roof = furnish_flat_roof(ground.builder, draw, self._roof)
-        yield from in_turn(self._pump(), self._sell(), roof, self._wait(), self._edge())
+        yield from interleave(self._pump(), self._sell(), roof, self._wait(), self._edge())
 
     def _pump(self) -> Iterator[None]:
         """Islands of two pumps and a bin across the roof's length, cars on either side."""

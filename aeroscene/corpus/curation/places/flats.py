@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, Platform, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import line_way, park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     add_flat_roof,
@@ -17,7 +17,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     furnish_roof_deck,
     lay_roof_deck,
 )
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _STOREY_M = 3.2
@@ -184,7 +184,7 @@ class Flats:
         roofs = [furnish_flat_roof(ground.builder, draw, roof) for roof in self._roofs]
         if self._roof_deck:
             roofs.append(furnish_roof_deck(ground.builder, draw, self._roof_deck))
-        yield from in_turn(*roofs, self._live_outside(), self._plant())
+        yield from interleave(*roofs, self._live_outside(), self._plant())
 
     def _live_outside(self) -> Iterator[None]:
         ground, draw = self.ground, self.ground.draw

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
-from aeroscene.corpus.curation.places.bearing import Bearing, on_top
 from aeroscene.corpus.curation.places.ground import Ground
 from aeroscene.corpus.curation.places.seating import put_on
+from aeroscene.corpus.curation.places.support_surfaces import Bearing, on_top
 from aeroscene.solids.shapes.materials import PAINT_COLOURS
 
 CONTAINER_M = (6.06, 2.44, 2.59)

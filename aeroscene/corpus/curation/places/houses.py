@@ -9,10 +9,10 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
-from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
+from aeroscene.corpus.curation.places.furnished_buildings import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.rooftops import (
     add_chimney,
@@ -21,7 +21,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     add_pitched_roof,
 )
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
@@ -212,7 +212,7 @@ class Houses:
 
     def details(self) -> Iterator[None]:
         """Grow furniture, then cars on the drives, and the life of the gardens."""
-        yield from in_turn(
+        yield from interleave(
             furnish(self.ground, self._rooms),
             self._front(),
             *(self._garden(plot) for plot in self._plots),

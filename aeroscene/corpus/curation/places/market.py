@@ -9,13 +9,13 @@ from math import pi
 from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import boxes_on, crate_stack, paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
 
 _STALL_M = (2.6, 3.2, 2.7)
 _PITCH_M = 4.6
@@ -86,7 +86,7 @@ class Market:
 
     def details(self) -> Iterator[None]:
         """Grow goods on the stalls, guests at the tables, and the usual furniture of a square."""
-        yield from in_turn(self._sell(), self._serve(), self._decorate())
+        yield from interleave(self._sell(), self._serve(), self._decorate())
 
     def _sell(self) -> Iterator[None]:
         """A counter with boxes in each stall, crates behind it."""

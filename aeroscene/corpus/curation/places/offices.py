@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
-from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
+from aeroscene.corpus.curation.places.furnished_buildings import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import line_way, park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     add_flat_roof,
@@ -18,7 +18,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     lay_roof_deck,
 )
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
@@ -138,7 +138,7 @@ class Offices:
         if self._roof_deck:
             roofs.append(furnish_roof_deck(ground.builder, draw, self._roof_deck))
         rooms = furnish(ground, self._rooms)
-        yield from in_turn(rooms, self._receive(), *roofs, self._garden())
+        yield from interleave(rooms, self._receive(), *roofs, self._garden())
 
     def _receive(self) -> Iterator[None]:
         """Planters and tables on the terrace, bicycles, cars in the visitors' bays."""

@@ -8,13 +8,13 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Attributes, Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import line_way
 from aeroscene.corpus.curation.places.seating import dine, picnic
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.scene import Vector3
 
 _PATH_M = (2.2, 0.05)
@@ -123,7 +123,7 @@ class Park:
         for path in self._paths:
             end = path.size[0] / 2 - 1.0
             ways.append(line_way(bearing, path.frame, (-end, end), _PATH_M[0] / 2))
-        yield from in_turn(in_turn(*ways), self._plant(), self._rest(), self._shore())
+        yield from interleave(interleave(*ways), self._plant(), self._rest(), self._shore())
 
     def _plant(self) -> Iterator[None]:
         """Groves in the corners, bushes between."""

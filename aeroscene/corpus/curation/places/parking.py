@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER
 from aeroscene.corpus.curation.places.bays import TWO_ROWS_M, BayField, paint_bays
-from aeroscene.corpus.curation.places.bearing import Bearing, OpenGround, Platform, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
 from aeroscene.corpus.curation.places.seating import picnic
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import Bearing, OpenGround, Platform, on_top
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _BACK_M = {"level": 11.0, "shop": 8.5, "bays": 7.0, "green": 2.2}
@@ -161,9 +161,9 @@ class Parking:
         roof = iter(())
         if self._roof:
             roof = furnish_flat_roof(ground.builder, draw, self._roof)
-        cars = in_turn(*(bays.park_cars(ground) for bays in self._fields))
-        extras = in_turn(*(bays.equip(ground) for bays in self._fields))
-        yield from in_turn(cars, extras, roof, self._green())
+        cars = interleave(*(bays.park_cars(ground) for bays in self._fields))
+        extras = interleave(*(bays.equip(ground) for bays in self._fields))
+        yield from interleave(cars, extras, roof, self._green())
 
     def _green(self) -> Iterator[None]:
         """Trees and bushes on the island; bins and trolleys elsewhere."""

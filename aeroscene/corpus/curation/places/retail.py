@@ -8,13 +8,13 @@ from dataclasses import dataclass, field
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
 from aeroscene.corpus.curation.places.bays import TWO_ROWS_M, BayField, paint_bays
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint, pallet_row
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
 
 _HALL_DEEP_M = (11.0, 17.0)
 _ENTRANCE_M = (3.0, 6.0, 3.2)
@@ -78,7 +78,7 @@ class Retail:
             roof = furnish_flat_roof(ground.builder, draw, self._roof)
         cars = [bays.park_cars(ground) for bays in self._fields]
         extras = [bays.equip(ground) for bays in self._fields]
-        yield from in_turn(*cars, self._enter(), roof, *extras, self._edge())
+        yield from interleave(*cars, self._enter(), roof, *extras, self._edge())
 
     def _enter(self) -> Iterator[None]:
         """Planters and boards at the entrance, plants and pallets for sale, bicycles."""

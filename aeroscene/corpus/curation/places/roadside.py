@@ -7,8 +7,8 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import QUARTER, Frame
-from aeroscene.corpus.curation.places.bearing import Bearing
 from aeroscene.corpus.curation.places.goods import paint
+from aeroscene.corpus.curation.places.support_surfaces import Bearing
 
 _LONGEST_M = {"car": 4.8, "van": 5.6}
 

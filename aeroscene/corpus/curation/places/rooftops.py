@@ -9,9 +9,9 @@ from math import sin
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import QUARTER, Frame
-from aeroscene.corpus.curation.places.bearing import Platform
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import Platform
 from aeroscene.solids.shapes.roofs import ROOF_SLAB_M
 
 PARAPET_RISE_M = 0.45
@@ -150,7 +150,7 @@ def furnish_flat_roof(builder: Builder, draw: Draw, roof: Placed) -> Iterator[No
         ends = _solar_array(top, top.at_end(side, 0.45))
     elif use == "pad":
         ends = _pad(top, side)
-    yield from in_turn(ends, _machines(top))
+    yield from interleave(ends, _machines(top))
 
 
 def _machines(top: RoofTop) -> Iterator[None]:
@@ -234,7 +234,7 @@ def furnish_roof_deck(builder: Builder, draw: Draw, deck: Placed) -> Iterator[No
     platform = Platform(builder, draw, deck, deck.top)
     x, y, _ = deck.size
     tables = [(0.0, -0.22 * y), (0.0, 0.22 * y)] if y > 4.5 else [(0.0, 0.0)]
-    yield from in_turn(dine(platform, deck.frame, tables, QUARTER), _greenery(platform, x, y))
+    yield from interleave(dine(platform, deck.frame, tables, QUARTER), _greenery(platform, x, y))
 
 
 def _greenery(platform: Platform, x: float, y: float) -> Iterator[None]:

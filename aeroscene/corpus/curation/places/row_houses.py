@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.rooftops import TILES, add_chimney, add_row_roof
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 
 _FRONTS = Fronts(
     category="house", width_m=6.6, least_m=6.0, storeys=(2, 2), storey_m=2.9, forms=("plain", "bay")
@@ -101,7 +101,7 @@ class RowHouses:
 
     def details(self) -> Iterator[None]:
         """Grow chimneys, bins and bushes in front; tables, trees and beds behind."""
-        yield from in_turn(
+        yield from interleave(
             self._front(), *(self._garden(house) for house in self._houses), self._chimneys()
         )
 

@@ -8,10 +8,10 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
-from aeroscene.corpus.curation.places.furnished import furnish, raise_furnished
+from aeroscene.corpus.curation.places.furnished_buildings import furnish, raise_furnished
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     add_flat_roof,
@@ -19,7 +19,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     furnish_flat_roof,
 )
 from aeroscene.corpus.curation.places.seating import picnic
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.shells import RoomSpace
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
@@ -163,7 +163,7 @@ class School:
         if self._roof and self._is_flat:
             roof = furnish_flat_roof(ground.builder, ground.draw, self._roof)
         rooms = furnish(ground, self._rooms)
-        yield from in_turn(rooms, self._play(), self._arrive(), roof, self._plant())
+        yield from interleave(rooms, self._play(), self._arrive(), roof, self._plant())
 
     def _play(self) -> Iterator[None]:
         """Benches from which to watch the towers and the sand, tables in the shade, crates."""

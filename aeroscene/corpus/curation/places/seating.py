@@ -8,7 +8,7 @@ from math import pi
 from aeroscene.corpus.curation.builder import Builder, Placed
 from aeroscene.corpus.curation.draw import Draw
 from aeroscene.corpus.curation.frame import Frame
-from aeroscene.corpus.curation.places.bearing import Bearing
+from aeroscene.corpus.curation.places.support_surfaces import Bearing
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.furniture import WOODS
 

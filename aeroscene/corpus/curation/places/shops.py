@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import boxes_on, crate_stack, paint, range_goods
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     TILES,
@@ -20,7 +20,7 @@ from aeroscene.corpus.curation.places.rooftops import (
 )
 from aeroscene.corpus.curation.places.rows import Fronts, raise_row
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
 
 _FRONTS = Fronts(width_m=9.5, least_m=7.0, storeys=(1, 3), storey_m=3.6, forms=("plain", "podium"))
 _DEEP_M = (10.0, 12.5)
@@ -97,7 +97,7 @@ class Shops:
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         yard = (-half + 0.5, half - 0.5, self._back + 0.5, depth - 0.6)
         goods = range_goods(ground, OpenGround(ground), yard, 4)
-        yield from in_turn(*uses, self._line_front(), *roofs, goods, self._deliver())
+        yield from interleave(*uses, self._line_front(), *roofs, goods, self._deliver())
 
     def _serve(self, awning: Placed) -> Iterator[None]:
         """A cafe's tables."""

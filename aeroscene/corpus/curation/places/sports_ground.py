@@ -8,12 +8,12 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import add_flat_roof, furnish_flat_roof
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, on_top
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _COURT_M = 0.05
@@ -92,7 +92,7 @@ class SportsGround:
         roof = iter(())
         if self._roof:
             roof = furnish_flat_roof(ground.builder, draw, self._roof)
-        yield from in_turn(self._light(), self._arrive(), self._seat(), roof, self._plant())
+        yield from interleave(self._light(), self._arrive(), self._seat(), roof, self._plant())
 
     def _seat(self) -> Iterator[None]:
         """Benches in two ranks on each platform, looking at the court."""

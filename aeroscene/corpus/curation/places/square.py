@@ -8,10 +8,10 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import rack_bicycles
 from aeroscene.corpus.curation.places.rooftops import (
     TILES,
@@ -20,7 +20,7 @@ from aeroscene.corpus.curation.places.rooftops import (
     furnish_flat_roof,
 )
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
 _HALL_DEEP_M = (8.0, 10.5)
@@ -108,7 +108,7 @@ class Square:
         roof = iter(())
         if self._roof:
             roof = furnish_flat_roof(ground.builder, draw, self._roof)
-        yield from in_turn(self._line_trees(), self._rest(), self._serve(), roof)
+        yield from interleave(self._line_trees(), self._rest(), self._serve(), roof)
 
     def _line_trees(self) -> Iterator[None]:
         """Two rows of equal trees towards the hall, four on a wide square, benches between them."""

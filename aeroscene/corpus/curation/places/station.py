@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import QUARTER
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import paint
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park, rack_bicycles
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 
 _PLATFORM_M = (3.4, 0.16)
 """Width and height of a platform."""
@@ -100,7 +100,7 @@ class Station:
 
     def details(self) -> Iterator[None]:
         """Grow buses in the lanes, people's things on the platforms, trees behind."""
-        yield from in_turn(self._drive(), self._wait(), self._surround())
+        yield from interleave(self._drive(), self._wait(), self._surround())
 
     def _drive(self) -> Iterator[None]:
         """Buses alongside the platforms, all in the same direction on one side of each."""

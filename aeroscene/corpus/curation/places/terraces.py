@@ -7,14 +7,14 @@ from dataclasses import dataclass, field
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, Platform, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import crate_stack
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import line_way
 from aeroscene.corpus.curation.places.rooftops import add_chimney, add_pitched_roof
 from aeroscene.corpus.curation.places.seating import dine, picnic
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
 from aeroscene.scene import Vector3
 from aeroscene.solids.shapes.materials import WALL_COLOURS
 
@@ -140,7 +140,7 @@ class Terraces:
         """Grow beds, tables and trees on every terrace, benches along the path."""
         ground = self.ground
         growths = [self._tend(on_top(ground, terrace), terrace) for terrace in self._steps]
-        yield from in_turn(self._sit(), *growths, self._front())
+        yield from interleave(self._sit(), *growths, self._front())
 
     def _sit(self) -> Iterator[None]:
         """A table in the pavilion, a chimney on the house, a picnic table above."""

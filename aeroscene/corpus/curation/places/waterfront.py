@@ -8,7 +8,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, Platform, beneath, on_top
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
     paint,
@@ -18,9 +17,10 @@ from aeroscene.corpus.curation.places.goods import (
     stack_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
 from aeroscene.corpus.curation.places.seating import dine
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, Platform, beneath, on_top
 
 _QUAY_M = 0.25
 """Height of the quay above the ground."""
@@ -123,7 +123,7 @@ class Waterfront:
         half = ground.parcel.width / 2
         quay = (-half + 0.5, half - 0.5, 1.0, self._edge - 0.5)
         bearing = OpenGround(ground)
-        yield from in_turn(
+        yield from interleave(
             self._moor(), self._line_edge(), self._serve(), range_goods(ground, bearing, quay, 4)
         )
 

@@ -8,7 +8,6 @@ from math import pi
 
 from aeroscene.corpus.curation.builder import Placed
 from aeroscene.corpus.curation.frame import INWARD, QUARTER, STREETWARD
-from aeroscene.corpus.curation.places.bearing import OpenGround, beneath, on_top
 from aeroscene.corpus.curation.places.boundary import enclose
 from aeroscene.corpus.curation.places.filling import fill_up
 from aeroscene.corpus.curation.places.goods import (
@@ -19,8 +18,9 @@ from aeroscene.corpus.curation.places.goods import (
     stack_container,
 )
 from aeroscene.corpus.curation.places.ground import Ground
+from aeroscene.corpus.curation.places.interleaving import interleave
 from aeroscene.corpus.curation.places.roadside import park
-from aeroscene.corpus.curation.places.turns import in_turn
+from aeroscene.corpus.curation.places.support_surfaces import OpenGround, beneath, on_top
 
 _PITCH_M = 3.0
 """Distance between the middles of containers in a row."""
@@ -107,7 +107,7 @@ class Yard:
         ground = self.ground
         half, depth = ground.parcel.width / 2, ground.parcel.depth
         apron = (-half + 1.0, half - 1.0, 4.0, depth - 2.0)
-        yield from in_turn(
+        yield from interleave(
             self._drive(), range_goods(ground, OpenGround(ground), apron, 9), self._staff()
         )
 

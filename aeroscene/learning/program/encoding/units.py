@@ -39,7 +39,7 @@ from aeroscene.learning.program.program import (
     V,
 )
 from aeroscene.relations import Unit
-from aeroscene.relations.placing import array_half_m, foot_m
+from aeroscene.relations.placement import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle, footprint
 from aeroscene.relations.relation import ANY_TURN, Residual
 from aeroscene.relations.relation import Kind as RelationKind

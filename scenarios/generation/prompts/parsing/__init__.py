@@ -5,6 +5,6 @@ every word that it does not understand is reported. It reads texts in one pass f
 because wishes are lists of noun phrases and seldom have a deeper grammar.
 """
 
-from scenarios.generation.prompts.parsing.reading import read_prompt
+from scenarios.generation.prompts.parsing.prompt_reader import read_prompt
 
 __all__ = ["read_prompt"]

@@ -15,10 +15,10 @@ from aeroscene.learning.baselines.diffusion_sdf import DiffusionSdf
 from aeroscene.learning.baselines.fitting import Lessons
 from aeroscene.learning.baselines.layouts import LayoutCode, LayoutSet, empty_batch, layouts_of
 from aeroscene.learning.baselines.model import BaselineCfg
-from aeroscene.learning.baselines.named import METHODS, fit
 from aeroscene.learning.baselines.networks.mixture import HALF_BIN, draw_mixture, mixture_loss
 from aeroscene.learning.baselines.networks.set_unet import SetUnet
 from aeroscene.learning.baselines.physcene import PhyScene, PhysicalGuidance
+from aeroscene.learning.baselines.registry import METHODS, fit
 from aeroscene.learning.diffusion.loss import diffusion_loss
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.paper.guidance.collision import collision_loss

@@ -40,7 +40,7 @@ from aeroscene.learning.program.program import (
 )
 from aeroscene.relations import Array, Member, Relation, Residual, Unit, place
 from aeroscene.relations.hosts import Standing, level_m
-from aeroscene.relations.placing import array_half_m, foot_m
+from aeroscene.relations.placement import array_half_m, foot_m
 from aeroscene.relations.plane import QUARTER, Half, Rectangle
 from aeroscene.relations.relation import ANY_TURN, Kind
 from aeroscene.scene import AttributeValue, OrientedBox, Quaternion, Vector3

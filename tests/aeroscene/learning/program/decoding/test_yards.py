@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from aeroscene.layouts.flyable import make_flyable
-from aeroscene.layouts.neutral import neutral_layout
+from aeroscene.layouts.neutral_format import neutral_layout
 from aeroscene.learning.program import encode
 from aeroscene.learning.program.decoding.decode import decode
 from aeroscene.learning.program.decoding.draft.supports import _polygon
