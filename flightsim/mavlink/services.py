@@ -108,7 +108,7 @@ class Services:
         metadata = MetadataService(view, setting.partners) if personality.has_metadata else None
         recorder = FlightRecorder(view, setting.statustext)
         parameters = _named_parameters(setting)
-        packed = PackedParameters(parameters, view.autopilot.parameters)
+        packed = PackedParameters(parameters)
 
         def files() -> Mapping[str, bytes | bytearray]:
             described = metadata.files if metadata else {}

@@ -231,8 +231,10 @@ class Flyer:
         key = (trial.family, trial.scene, trial.vehicle)
         sampler = self._samplers.pop(key, None)
         if sampler is None:
-            # Distance fields of earlier scenes take memory that this one needs.
-            field_cache.forget()
+            # Distance fields of earlier scenes take memory that a new one needs. Another vehicle or
+            # family in the same scene uses its field again.
+            if all(scene_name != trial.scene for _, scene_name, _ in self._samplers):
+                field_cache.forget()
             scene, airframe = self._hangar.scene(trial.scene), airframe_by_name(trial.vehicle)
             recipe = self._suite.recipe_of(trial.family)
             sampler = Sampler(trial.scene, scene, airframe, recipe, trial.family)

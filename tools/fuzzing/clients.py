@@ -112,11 +112,17 @@ class Access:
 class _SocketClient:
     def __init__(self, link: socket.socket) -> None:
         self._socket = link
+        self._unsent = b""
 
     def send(self, data: bytes) -> None:
-        # A full buffer loses the frame, as on a radio; to wait would stop the simulation.
+        # A full buffer loses the frame, as on a radio; to wait would stop the simulation. The rest
+        # of a frame of which a TCP socket took only a part goes before the next one, because half a
+        # frame would swallow those behind it.
         with contextlib.suppress(BlockingIOError):
-            self._socket.send(data)
+            if self._unsent:
+                self._unsent = self._unsent[self._socket.send(self._unsent) :]
+            if not self._unsent:
+                self._unsent = data[self._socket.send(data) :]
 
     def recv(self) -> bytes:
         data = b""

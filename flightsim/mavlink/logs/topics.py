@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from autonomy.types import NAN3, ControlLevel, Vector3
+from autonomy.types import ControlLevel, Vector3
 from flightsim.autopilot.modes import BatteryWarning, LandedState, Mode
 from flightsim.frames import (
     euler_rpy_rad,
@@ -106,7 +106,8 @@ def _position_setpoint(v: VehicleView) -> Values:
     # Other levels have no position setpoint, which NaN marks.
     if s.level is not ControlLevel.TRAJECTORY:
         return (math.nan,) * 14
-    position = NAN3 if math.isnan(s.position_enu_m[0]) else v.ned_from_enu(s.position_enu_m)
+    # An axis without set point is NaN, which the change of frames keeps.
+    position = v.ned_from_enu(s.position_enu_m)
     thrust = v.plant.collective_thrust_fraction
     return (
         *(*position, *_ned(s.velocity_enu_mps), _yaw_ned(s.yaw_rad), -s.yaw_rate_radps),
@@ -118,7 +119,8 @@ def _trajectory_setpoint(v: VehicleView) -> Values:
     s = v.autopilot.setpoint
     if s.level is not ControlLevel.TRAJECTORY:
         return (math.nan,) * 14
-    position = NAN3 if math.isnan(s.position_enu_m[0]) else v.ned_from_enu(s.position_enu_m)
+    # An axis without set point is NaN, which the change of frames keeps.
+    position = v.ned_from_enu(s.position_enu_m)
     derivatives = (s.velocity_enu_mps, s.acceleration_enu_mps2, s.jerk_enu_mps3)
     ned = [value for vector in derivatives for value in _ned(vector)]
     return (*position, *ned, _yaw_ned(s.yaw_rad), -s.yaw_rate_radps)

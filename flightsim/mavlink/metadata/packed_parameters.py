@@ -9,7 +9,6 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator
 
-from flightsim.autopilot.parameters import Parameters, ParameterSpec
 from flightsim.mavlink.parameters import NamedParameters
 
 PACKED_PARAMETERS = "@PARAM/param.pck"
@@ -21,36 +20,34 @@ _MOST_SHARED = 15
 
 
 class PackedParameters:
-    """The file, packed anew only after a parameter has changed: clients may ask at every tick."""
+    """The file, packed anew only after a value has changed: clients read it in many small parts."""
 
-    def __init__(self, named: NamedParameters, changing: Parameters) -> None:
+    def __init__(self, named: NamedParameters) -> None:
         """Prepare to pack.
 
         Args:
             named: Parameters under the names that clients know.
-            changing: Parameters behind them, which report changes.
         """
         self._parameters = named
         self._heads = tuple(_heads(named))
-        self._packed: bytes | None = None
-        changing.add_listener(self._forget)
+        self._values: tuple[float, ...] = ()
+        self._packed = b""
 
     def file(self) -> bytes:
         """Return the bytes of the file as of now."""
-        if self._packed is None:
-            parameters = self._parameters
+        parameters = self._parameters
+        # Values are compared, because a name of another flight stack may change its value while the
+        # parameter behind it stays: two of its numbers can mean the same.
+        values = tuple(parameters[name] for name, _ in self._heads)
+        if values != self._values or not self._packed:
             # Both counts are the same: the file always holds all parameters.
             parts = [_HEADER.pack(_MAGIC, len(parameters), len(parameters))]
-            for name, head in self._heads:
-                value = parameters[name]
+            for (_, head), value in zip(self._heads, values, strict=True):
                 is_integer = head[0] == _INT32
                 packed = struct.pack("<i", int(value)) if is_integer else struct.pack("<f", value)
                 parts += (head, packed)
-            self._packed = b"".join(parts)
+            self._values, self._packed = values, b"".join(parts)
         return self._packed
-
-    def _forget(self, _spec: ParameterSpec, _value: float) -> None:
-        self._packed = None
 
 
 def _heads(parameters: NamedParameters) -> Iterator[tuple[str, bytes]]:
