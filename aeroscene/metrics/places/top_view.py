@@ -15,7 +15,7 @@ import shapely
 from jaxtyping import Bool, Float, Int
 
 from aeroscene.landform import level
-from aeroscene.metrics.arrays import NO_PARENT, SceneArrays, scene_arrays
+from aeroscene.metrics.arrays import SceneArrays, scene_arrays
 from aeroscene.relations import Unit, scene_relations
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.box import box_corners, rotation_matrix
@@ -54,8 +54,8 @@ class TopView:
 
     def is_on(self, categories: Collection[str]) -> Bool[np.ndarray, " n"]:
         """True for objects whose parent has one of these categories."""
-        parent = self.arrays.parent
-        return np.isin(parent, self.rows(categories)) & (parent != NO_PARENT)
+        # Rows are never negative, so a root's `NO_PARENT` is none of them.
+        return np.isin(self.arrays.parent, self.rows(categories))
 
     @cached_property
     def is_outdoors(self) -> Bool[np.ndarray, " n"]:

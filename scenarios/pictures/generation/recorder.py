@@ -10,9 +10,8 @@ import numpy as np
 from aeroscene.learning.diffusion.sampling import Moment
 from aeroscene.learning.generation import Generated
 from aeroscene.learning.generation.proposal import Proposal
-from aeroscene.scene import Scene
 from scenarios.pictures.generation.layout_view import Layout
-from scenarios.pictures.generation.strip import chosen_steps, draw_strip
+from scenarios.pictures.generation.strip import chosen_steps, draw_strip, layout_of
 
 _MARGIN = 1.15
 """Half of the pictures' side, relative to half of the sampled site's longer side."""
@@ -33,7 +32,7 @@ class Recorder:
         """
         if moment.index in chosen_steps(moment.n_steps):
             scene = proposals[0].scene("noisy", 0, np.random.default_rng(0))
-            self._kept.append((f"t = {moment.time:.2f} T", _layout_of(scene)))
+            self._kept.append((f"t = {moment.time:.2f} T", layout_of(scene)))
 
     def draw(self, found: Generated, out: Path) -> None:
         """Draw the steps, the sampled layout, and the finished scene.
@@ -47,16 +46,5 @@ class Recorder:
         """
         low, high = found.raw.extent_min_enu_m, found.raw.extent_max_enu_m
         half_m = _MARGIN * max(high[axis] - low[axis] for axis in (0, 1)) / 2
-        moments = [*self._kept, ("t = 0, sampled", _layout_of(found.raw))]
+        moments = [*self._kept, ("t = 0, sampled", layout_of(found.raw))]
         draw_strip(moments, half_m, found.scene, out)
-
-
-def _layout_of(scene: Scene) -> Layout:
-    """Return all boxes of a scene."""
-    yaw = np.array([obj.bbox.yaw_rad for obj in scene.objects])
-    return Layout(
-        center_enu_m=np.array([obj.bbox.p for obj in scene.objects]),
-        heading=np.stack([np.cos(yaw), np.sin(yaw)], axis=1),
-        size_m=np.array([obj.bbox.s for obj in scene.objects]),
-        is_coarse=np.array([obj.is_coarse for obj in scene.objects]),
-    )
