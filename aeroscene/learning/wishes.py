@@ -37,7 +37,7 @@ class Wish:
     """Theme of the place, such as `waterfront`; empty if it is left open."""
 
     @staticmethod
-    def of(scene: Scene) -> Wish:
+    def from_scene(scene: Scene) -> Wish:
         """Return the wish that a scene fulfils exactly."""
         n_coarse = sum(obj.is_coarse for obj in scene.objects)
         n_fine = len(scene.objects) - n_coarse

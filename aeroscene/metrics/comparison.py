@@ -1,6 +1,6 @@
 """Groups of scenes side by side: every figure of this package, one column for each group.
 
-    reference = Reference.of(train, test)
+    reference = Reference.measure(train, test)
     for row in comparison_table({"test": test, "generated": scenes}, reference, rng):
         print(row.title, row.values)
 
@@ -55,7 +55,7 @@ class Reference:
     """Distances of the test split from training."""
 
     @classmethod
-    def of(
+    def measure(
         cls,
         train: Sequence[Scene],
         test: Sequence[Scene],
@@ -76,7 +76,7 @@ class Reference:
         return cls(
             neighbours=neighbours or NeighbourFrequencies.of_arrays(trained),
             training=training,
-            known=KnownSkeletons.of(trained),
+            known=KnownSkeletons.from_scenes(trained),
             features=layout_features(tested),
             frequencies=frequencies(tested),
             training_distances=training_distances(sketches, training),

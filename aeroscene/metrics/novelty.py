@@ -57,7 +57,7 @@ class KnownSkeletons:
     coarse_trees: frozenset[Hashable]
 
     @classmethod
-    def of(cls, scenes: Sequence[SceneArrays]) -> KnownSkeletons:
+    def from_scenes(cls, scenes: Sequence[SceneArrays]) -> KnownSkeletons:
         """Collect the skeletons of scenes."""
         return cls(
             frozenset(map(_content, scenes)),

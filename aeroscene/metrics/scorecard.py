@@ -1,6 +1,6 @@
 """Every figure about layouts of one group of scenes, each with its 95% interval.
 
-    yardstick = Yardstick.of(train)
+    yardstick = Yardstick.from_scenes(train)
     for key, figure in layout_figures(scenes, yardstick, rng).items():
         print(METRICS[key].title, figure.value, figure.low, figure.high)
 
@@ -102,7 +102,7 @@ class Yardstick:
     frequencies: Frequencies
 
     @classmethod
-    def of(cls, train: Sequence[Scene]) -> Yardstick:
+    def from_scenes(cls, train: Sequence[Scene]) -> Yardstick:
         """Measure training scenes; a thousand take some seconds.
 
         Raises:

@@ -328,7 +328,7 @@ def _build_relief(record: _Relief | None, scene_id: str) -> Relief | None:
     if record is None:
         return None
     try:
-        return Relief.of(record.origin, record.spacing, record.heights)
+        return Relief.from_rows(record.origin, record.spacing, record.heights)
     except SceneError as error:
         raise error.within(f"scene {scene_id!r}: relief") from None
 

@@ -48,7 +48,7 @@ class Relief:
     """Heights of the nodes: rows from south to north, columns from west to east; read-only."""
 
     @classmethod
-    def of(
+    def from_rows(
         cls, origin_enu_m: tuple[float, float], spacing_m: float, rows: Sequence[Sequence[float]]
     ) -> Relief:
         """Build a relief from rows of heights.

@@ -39,7 +39,7 @@ class Columns:
     """Height of the ground, overestimated by up to one cell."""
 
     @classmethod
-    def of(cls, scene: Scene, solids: Iterable[Primitive], height_m: float) -> Columns:
+    def from_scene(cls, scene: Scene, solids: Iterable[Primitive], height_m: float) -> Columns:
         """Voxelise ground and solids up to a height above the scene's highest ground.
 
         Args:

@@ -156,7 +156,7 @@ class _Streets:
     ) -> None:
         self._scene = scene
         self._surface_height = surface_height
-        self._columns = Columns.of(scene, solids, _SEEN_HEIGHT_M)
+        self._columns = Columns.from_scene(scene, solids, _SEEN_HEIGHT_M)
         self._from_starts_m = distance_to_points(self._columns, np.array(starts_enu_m)[:, :2])
         self._taken: dict[bool, list[tuple[np.ndarray, float]]] = {True: [], False: []}
         """Distances of the columns from each path, and the half width of its mover. True holds

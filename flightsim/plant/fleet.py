@@ -318,7 +318,7 @@ class Fleet:
             vehicles = slice(i * self.n_together, (i + 1) * self.n_together)
             views, key = self.worlds[vehicles], (id(self.worlds[vehicles][0].scene), cfg.effects)
             if key not in surroundings:
-                surroundings[key] = Surroundings.of(views[0].scene, cfg.effects)
+                surroundings[key] = Surroundings.from_scene(views[0].scene, cfg.effects)
             memories += new_memories(
                 views,
                 cfg,

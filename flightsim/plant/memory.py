@@ -363,7 +363,7 @@ def new_memories(
     row = np.zeros(len(views), PLANT_DTYPE) if row is None else row
     if histories is None:
         histories = np.zeros((len(views), cfg.control_hz // cfg.advance_hz), HISTORY_DTYPE)
-    around = surroundings or Surroundings.of(views[0].scene, cfg.effects)
+    around = surroundings or Surroundings.from_scene(views[0].scene, cfg.effects)
     memories: list[PlantMemory] = []
     for view, history in zip(views, histories, strict=True):
         lead = memories[0] if memories else None

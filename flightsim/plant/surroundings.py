@@ -32,7 +32,7 @@ class Surroundings:
     """True if blocks or hills change the wind."""
 
     @classmethod
-    def of(cls, scene: Scene, effects: Effects) -> Surroundings:
+    def from_scene(cls, scene: Scene, effects: Effects) -> Surroundings:
         """Return the surroundings in a scene, without those whose effect is off."""
         blocks = blocks_of(scene)[: None if effects.shelter else 0]
         grid = grid_for(scene, blocks)

@@ -46,7 +46,7 @@ class RayTree:
     """
 
     @classmethod
-    def of(
+    def from_model(
         cls, model: mujoco.MjModel, left_out: Bool[np.ndarray, " ngeom"] | None = None
     ) -> RayTree:
         """Index the geoms of a model.

@@ -247,7 +247,7 @@ def build_world(
     bodies = [model.body(vehicle_name(k)).id for k in range(len(vehicles))]
     ids = _geom_ids(model, solids, len(neighbours), bodies)
     # Without neighbours both indices are one, and its memory is shared.
-    wide_rays, is_neighbour = RayTree.of(model), ids == NEIGHBOUR_ID
+    wide_rays, is_neighbour = RayTree.from_model(model), ids == NEIGHBOUR_ID
     for vehicle, body in zip(vehicles, bodies, strict=True):
         if (geom := inside_of(model, body)) is not None:
             where = f"{vehicle.stand_enu_m} puts the vehicle inside"
@@ -259,7 +259,7 @@ def build_world(
         obstacles=tuple(traffic),
         movers=movers,
         scene=scene,
-        rays=RayTree.of(model, is_neighbour) if is_neighbour.any() else wide_rays,
+        rays=RayTree.from_model(model, is_neighbour) if is_neighbour.any() else wide_rays,
         wide_rays=wide_rays,
         geom_object_id=ids,
         vehicle_body_id=bodies[0] if bodies else -1,

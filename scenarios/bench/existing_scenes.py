@@ -39,7 +39,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     scenes = _read(cfg, on_progress)
     yield from _soundness_rows(scenes, on_progress)
     on_progress("reading the corpus", 0.7)
-    real = Splits.of(corpus)
+    real = Splits.from_corpus(corpus)
     yield from comparison(
         group_figures(
             {FEASIBLE: scenes},

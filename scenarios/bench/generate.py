@@ -70,7 +70,7 @@ def rows(cfg: GenerateBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     costs = _generate(generator, cfg, on_progress)
     yield from _speed_rows(generator, cfg, costs, on_progress)
     on_progress("reading the corpus", 0.6)
-    real = Splits.of(corpus)
+    real = Splits.from_corpus(corpus)
     yield from _validity_rows(cfg, costs, real.test)
     draws = [
         Drawn(raw=made.raw, projected=made.projected, is_rejected=made.scene is None)

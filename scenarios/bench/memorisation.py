@@ -95,10 +95,10 @@ def memorising_rows(preset: Preset, scenes: Sequence[Scene], cpu_s: float) -> It
     real = layouts_of(learned)
     drawn, n_steps = _memorised_by_preset(preset, learned, cpu_s)
     yield higher(f"{preset}: steps on {N_SCENES} scenes", n_steps, "")
-    yield from _Off.of(drawn, real).rows(preset, has_target=True)
+    yield from _Off.compare(drawn, real).rows(preset, has_target=True)
     drawn, n_steps = _memorised_by_diffuscene(learned, cpu_s)
     yield higher(f"DiffuScene: steps on {N_SCENES} scenes", n_steps, "")
-    yield from _Off.of(drawn, real).rows("DiffuScene", has_target=False)
+    yield from _Off.compare(drawn, real).rows("DiffuScene", has_target=False)
 
 
 def _memorised_by_preset(
@@ -141,8 +141,8 @@ def _passes(data: FlatTrainingSet) -> tuple[bool, ...]:
 
 
 def _memorised_by_diffuscene(scenes: Sequence[Scene], cpu_s: float) -> tuple[list[FlatBoxes], int]:
-    code = LayoutCode.of(scenes)
-    batch = LayoutSet.of(scenes, code).in_order(0, len(scenes))
+    code = LayoutCode.from_scenes(scenes)
+    batch = LayoutSet.from_scenes(scenes, code).in_order(0, len(scenes))
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(_SEED)
         model = DiffuScene(code, BaselineCfg())
@@ -187,7 +187,7 @@ class _Off:
     """Share of the objects of the learned scenes that the draws lack."""
 
     @classmethod
-    def of(cls, drawn: Sequence[FlatBoxes], real: Sequence[FlatBoxes | FlatLayout]) -> _Off:
+    def compare(cls, drawn: Sequence[FlatBoxes], real: Sequence[FlatBoxes | FlatLayout]) -> _Off:
         """Compare each draw with each scene, and keep the most similar one.
 
         Args:

@@ -27,7 +27,7 @@ class Splits:
     test: Sequence[Scene]
 
     @classmethod
-    def of(cls, corpus: Dataset) -> Splits:
+    def from_corpus(cls, corpus: Dataset) -> Splits:
         """Read all scenes of both splits of a corpus."""
         return cls(*(list(corpus.of_split(split).scenes()) for split in ("train", "test")))
 
@@ -70,7 +70,7 @@ def group_figures(
     rng = np.random.default_rng(seed)
     # It measures every training scene, and counts as that much work below.
     on_group("what the corpus is like", 0.0)
-    reference = Reference.of(real.train, real.test)
+    reference = Reference.measure(real.train, real.test)
     count = min(max(map(len, groups.values())), len(real.train))
     # Drawn by chance, because the first scenes of a corpus need not be like the others.
     chosen = rng.choice(len(real.train), count, replace=False).tolist()

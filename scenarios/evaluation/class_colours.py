@@ -46,7 +46,7 @@ class ClassPictures:
     """Categories of furniture in the training scenes, in the order of their names."""
 
     @classmethod
-    def of(cls, train: Sequence[Scene]) -> ClassPictures:
+    def from_scenes(cls, train: Sequence[Scene]) -> ClassPictures:
         """Return the camera with a colour for each category of the training scenes.
 
         Args:

@@ -86,7 +86,9 @@ class Evaluation:
         self.cfg = cfg
         self._data, self._network = data, network
         self._folder, self._wants_stop = folder, wants_stop
-        makes_camera = ClassPictures.of if cfg.protocol == "diffuscene" else Camera.of
+        makes_camera = (
+            ClassPictures.from_scenes if cfg.protocol == "diffuscene" else Camera.from_scenes
+        )
         self.camera: Photographer = makes_camera(data.train)
         folder.mkdir(parents=True, exist_ok=True)
         path, text = folder / _ASKED, msgspec.json.format(msgspec.json.encode(cfg), indent=1)
@@ -234,7 +236,7 @@ class Evaluation:
     @cached_property
     def _judge(self) -> Judge:
         return Judge(
-            yardstick=Yardstick.of(self._data.train),
+            yardstick=Yardstick.from_scenes(self._data.train),
             pictures=self._reference_pictures(),
             views=self.camera.views,
             network=self._network,

@@ -77,7 +77,7 @@ class Camera:
         return ("top", "oblique")
 
     @classmethod
-    def of(cls, train: Sequence[Scene]) -> Camera:
+    def from_scenes(cls, train: Sequence[Scene]) -> Camera:
         """Return the camera whose scale suits training scenes.
 
         Args:

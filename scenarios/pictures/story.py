@@ -75,7 +75,7 @@ class LandingLayers:
     """True for safe ground, some of which may lie off the area or below something."""
 
     @classmethod
-    def of(cls, landing: LandingMap) -> Self:
+    def from_map(cls, landing: LandingMap) -> Self:
         """Return the layers of a pilot's map, as copies.
 
         Args:

@@ -113,7 +113,7 @@ class FlightTape:
             plans=tuple(self._plans),
             area=pilot.area,
             touchdown_enu_m=pilot.touchdown_enu_m,
-            landing=None if landing is None else LandingLayers.of(landing),
+            landing=None if landing is None else LandingLayers.from_map(landing),
         )
 
     def _track(self) -> Track:

@@ -56,7 +56,7 @@ class Reach:
     paths."""
 
     @classmethod
-    def of(cls, scene: Scene, airframe: Airframe) -> Reach:
+    def from_scene(cls, scene: Scene, airframe: Airframe) -> Reach:
         """The free space of a vehicle in a scene; the distances are kept for the next vehicle.
 
         Args:

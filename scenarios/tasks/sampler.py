@@ -91,7 +91,7 @@ class Sampler:
         self._scene = scene
         self._airframe = airframe
         self._recipe = recipe
-        self._reach = Reach.of(scene, airframe)
+        self._reach = Reach.from_scene(scene, airframe)
         self._places: dict[Vector3, Vector3 | None] = {}
         """Place of the vehicle's sphere above each start; None if it cannot stand there, or not
         rise."""

@@ -131,8 +131,11 @@ def fit_baseline(
         TrainingError: If the folder holds a training of other data or of another configuration.
         OSError: If a file cannot be written.
     """
-    code = LayoutCode.of(lessons.train)
-    train, held_out = LayoutSet.of(lessons.train, code), LayoutSet.of(lessons.held_out, code)
+    code = LayoutCode.from_scenes(lessons.train)
+    train, held_out = (
+        LayoutSet.from_scenes(lessons.train, code),
+        LayoutSet.from_scenes(lessons.held_out, code),
+    )
     # The caller's own random state stays as it was.
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(lessons.seed)

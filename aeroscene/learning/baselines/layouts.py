@@ -50,7 +50,7 @@ _SLOT_STEP = 8
 
 def layouts_of(scenes: Sequence[Scene]) -> tuple[FlatLayout, ...]:
     """Turn scenes into the axes of their sites, as lists in one fixed order."""
-    return tuple(flat_layout(scene, Wish.of(scene), has_regions=True) for scene in scenes)
+    return tuple(flat_layout(scene, Wish.from_scene(scene), has_regions=True) for scene in scenes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class LayoutCode:
     """Quantiles of the yaw of training sites; a new site draws its yaw among these."""
 
     @classmethod
-    def of(cls, scenes: Sequence[Scene]) -> Self:
+    def from_scenes(cls, scenes: Sequence[Scene]) -> Self:
         """Measure training scenes, as if every quarter turn and mirror image of them were there.
 
         Args:
@@ -93,7 +93,7 @@ class LayoutCode:
         most = max(len(layout) for layout in layouts)
         n_slots = -(-most // _SLOT_STEP) * _SLOT_STEP
         site_yaw_rad = site_yaw_quantiles_rad(layouts)
-        return cls(n_slots, mean, spread, low, high, Looks.of(scenes), site_yaw_rad)
+        return cls(n_slots, mean, spread, low, high, Looks.from_scenes(scenes), site_yaw_rad)
 
     def encode(self, boxes: FlatBoxes | FlatLayout) -> Float[np.ndarray, "n 79"]:
         """Return the channels of the objects, without empty slots."""
@@ -156,7 +156,7 @@ class LayoutSet:
     examples: tuple[FlatLayout, ...]
 
     @classmethod
-    def of(cls, scenes: Sequence[Scene], code: LayoutCode) -> Self:
+    def from_scenes(cls, scenes: Sequence[Scene], code: LayoutCode) -> Self:
         """Take scenes; those with more objects than there are slots are left out."""
         return cls(code, tuple(each for each in layouts_of(scenes) if len(each) <= code.n_slots))
 

@@ -23,7 +23,7 @@ class Marginals:
     """Objects of the training scenes, by domain."""
 
     def __init__(self, scenes: Sequence[Scene]) -> None:
-        self._code = LayoutCode.of(scenes)
+        self._code = LayoutCode.from_scenes(scenes)
         self._layouts: dict[SceneDomain, list[FlatLayout]] = {}
         for layout in layouts_of(scenes):
             self._layouts.setdefault(layout.wish.domain, []).append(layout)

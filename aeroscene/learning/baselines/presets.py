@@ -91,7 +91,7 @@ def fit_preset(
         lessons.train,
         lessons.held_out,
         preset=preset,
-        wishes=[Wish.of(scene) for scene in lessons.train] if has_wishes else [],
+        wishes=[Wish.from_scene(scene) for scene in lessons.train] if has_wishes else [],
         is_corpus=lessons.is_corpus,
         encoding=encoding,
     )

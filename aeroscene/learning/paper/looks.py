@@ -43,7 +43,7 @@ class Looks:
     by_category: Mapping[str, tuple[Look, ...]]
 
     @classmethod
-    def of(cls, scenes: Iterable[Scene]) -> Looks:
+    def from_scenes(cls, scenes: Iterable[Scene]) -> Looks:
         """Count the looks of scenes; their order does not matter."""
         counts: defaultdict[str, Counter[tuple[ObjectDomain, bytes]]] = defaultdict(Counter)
         for scene in scenes:

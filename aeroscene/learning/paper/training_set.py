@@ -157,11 +157,13 @@ def flat_training_set(scenes: Sequence[Scene], *, has_regions: bool = False) -> 
         has_regions: True for the progressive preset, which places fine objects in their regions.
     """
     # Statistics need regions for either preset: they record which categories hold fine objects.
-    layouts = [flat_layout(scene, Wish.of(scene), has_regions=True) for scene in scenes]
+    layouts = [flat_layout(scene, Wish.from_scene(scene), has_regions=True) for scene in scenes]
     statistics = measure(layouts, has_regions=has_regions)
     if not has_regions:
-        layouts = [flat_layout(scene, Wish.of(scene), has_regions=False) for scene in scenes]
-    return FlatTrainingSet(Looks.of(scenes), statistics, tuple(layouts))
+        layouts = [
+            flat_layout(scene, Wish.from_scene(scene), has_regions=False) for scene in scenes
+        ]
+    return FlatTrainingSet(Looks.from_scenes(scenes), statistics, tuple(layouts))
 
 
 @dataclass(frozen=True, eq=False)

@@ -254,7 +254,7 @@ class Word(msgspec.Struct, frozen=True, array_like=True):
     attributes: Attributes
 
     @staticmethod
-    def of(obj: SceneObject) -> str:
+    def from_object(obj: SceneObject) -> str:
         """Write the word of an object as text."""
         return msgspec.json.encode(what_of(obj)).decode()
 

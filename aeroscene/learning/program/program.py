@@ -41,7 +41,7 @@ class Shape(NamedTuple):
     turned: tuple[int, ...] = ()
 
     @staticmethod
-    def of(array: Array | None) -> Shape:
+    def from_array(array: Array | None) -> Shape:
         """Return the shape of an array; a single cell for one object."""
         if array is None:
             return Shape()

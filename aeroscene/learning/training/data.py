@@ -87,7 +87,7 @@ def open_training_data(
     # In the paper the number of objects is drawn; only layouts of others need
     # the wishes of their scenes.
     is_flat = preset in FLAT_PRESETS
-    wishes = [] if is_flat and is_corpus else [Wish.of(scene) for scene in train]
+    wishes = [] if is_flat and is_corpus else [Wish.from_scene(scene) for scene in train]
     data = prepared(
         path.name,
         train,
@@ -238,5 +238,5 @@ def _encoded(scenes: Sequence[Scene], encode: Encoder) -> list[Any]:
     found: list[Any] = []
     for scene in scenes:
         with suppress(UnencodableError):
-            found.append(encode(scene, Wish.of(scene)))
+            found.append(encode(scene, Wish.from_scene(scene)))
     return found

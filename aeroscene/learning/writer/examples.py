@@ -89,5 +89,5 @@ def encodable(
         # One scene without a program must not stop a corpus of thousands.
         except UnencodableError:
             continue
-        wishes.append(Wish.of(scene))
+        wishes.append(Wish.from_scene(scene))
     return found, wishes

@@ -104,7 +104,7 @@ def test_what_is_learnt_and_measured_is_the_flat_layout(number):
     one, two = encode(flat), encode(raised)
     assert one.program.kinds == two.program.kinds
     np.testing.assert_array_equal(one.program.channels, two.program.channels)
-    wish = Wish.of(flat)
+    wish = Wish.from_scene(flat)
     lists = [flat_layout(scene, wish, has_regions=True) for scene in (flat, raised)]
     np.testing.assert_array_equal(lists[0].center_enu_m, lists[1].center_enu_m)
     arrays = [scene_arrays(scene) for scene in (flat, raised)]

@@ -14,7 +14,7 @@ PLACES = {check.key for check in CHECKS}
 
 @pytest.fixture(scope="module")
 def reference():
-    return Reference.of(sampled_scenes(), sampled_scenes())
+    return Reference.measure(sampled_scenes(), sampled_scenes())
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ JITTERS = ("jitter_0.1", "jitter_0.3", "jitter_1")
 
 @pytest.fixture(scope="module")
 def figures() -> dict[str, dict[str, Figure]]:
-    yardstick = Yardstick.of(sampled_scenes())
+    yardstick = Yardstick.from_scenes(sampled_scenes())
     groups = {"none": sampled_scenes()}
     for name, damage in DAMAGES.items():
         groups[name] = [
@@ -86,11 +86,11 @@ def test_scenes_of_one_object_are_not_judged_best():
         replace(scene, objects=scene.objects[:1], interaction_areas=())
         for scene in sampled_scenes()
     ]
-    found = layout_figures(alone, Yardstick.of(sampled_scenes()), np.random.default_rng(0))
+    found = layout_figures(alone, Yardstick.from_scenes(sampled_scenes()), np.random.default_rng(0))
     assert all(np.isnan(found[key].value) for key in ("CR", "SP", "OP", "CFC"))
     assert found["category_kl"].value > 0.5
 
 
 def test_too_few_scenes_are_refused_with_the_number_that_would_do():
     with pytest.raises(TooFewScenesError, match="4 scenes; valid: 5 or more"):
-        Yardstick.of(sampled_scenes()[:4])
+        Yardstick.from_scenes(sampled_scenes()[:4])

@@ -45,7 +45,7 @@ PARK = scene_of(LAWN, (*TREE, 0), (*BUSH, 0), BUSH)
 
 
 def recurrence(scene):
-    return KnownSkeletons.of([scene_arrays(PARK)]).recurrence([scene_arrays(scene)])
+    return KnownSkeletons.from_scenes([scene_arrays(PARK)]).recurrence([scene_arrays(scene)])
 
 
 def test_a_skeleton_is_known_whatever_the_order_of_siblings_and_the_places():

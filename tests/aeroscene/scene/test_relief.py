@@ -12,7 +12,7 @@ from aeroscene.scene.io import scene_from_json, scene_to_json
 from aeroscene.scene.relief import ground_m
 from tests.flightsim.handmade import hills, relief_scene
 
-CELL = Relief.of((2.0, -3.0), 2.0, [[0.0, 1.0], [0.5, 3.0]])
+CELL = Relief.from_rows((2.0, -3.0), 2.0, [[0.0, 1.0], [0.5, 3.0]])
 
 
 def test_heights_at_nodes_on_edges_and_in_both_triangles_of_a_cell():

@@ -148,6 +148,6 @@ def test_traffic_reads_what_it_is_told():
 def test_roads_with_an_outline_cover_no_more_than_it():
     road = replace(outlined(L_SHAPE), scene_id="field", category_id=category_id("road"))
     scene = replace(field_scene(), objects=(road,), interaction_areas=())
-    columns = Columns.of(scene, scene_primitives(scene), 2.0)
+    columns = Columns.from_scene(scene, scene_primitives(scene), 2.0)
     covered_m2 = columns.covered_by([road]).sum() * CELL_M**2
     assert covered_m2 == pytest.approx(60.0, rel=0.05)

@@ -100,7 +100,7 @@ def test_what_moves_is_met_where_it_is_now():
 
 
 def test_boxes_hold_what_is_below_them_and_every_geom_is_in_one_leaf():
-    tree = RayTree.of(handmade().model)
+    tree = RayTree.from_model(handmade().model)
     n = len(tree.leaf_geoms)
     assert n & (n - 1) == 0
     assert sorted(tree.leaf_geoms[tree.leaf_geoms >= 0].tolist()) == [1, 2, 3, 4, 5]
@@ -114,9 +114,9 @@ def test_boxes_hold_what_is_below_them_and_every_geom_is_in_one_leaf():
 def test_invisible_geoms_are_in_no_tree_and_height_fields_are():
     spec = mujoco.MjSpec()
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=(1, 1, 1), rgba=(1, 1, 1, 0))
-    assert RayTree.of(spec.compile()).leaf_geoms.tolist() == [-1]
+    assert RayTree.from_model(spec.compile()).leaf_geoms.tolist() == [-1]
     spec.add_hfield(name="hill", nrow=2, ncol=2, size=(1, 1, 1, 1), userdata=[0, 1, 0, 1])
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_HFIELD, hfieldname="hill")
-    tree = RayTree.of(spec.compile())
+    tree = RayTree.from_model(spec.compile())
     assert tree.leaf_geoms.tolist() == [1]
     assert tree.field_cosines == pytest.approx([math.sqrt(0.8)], abs=1e-3)

@@ -37,7 +37,7 @@ def disturbed(spread_m):
 @pytest.fixture(scope="module")
 def figures():
     rng = np.random.default_rng(0)
-    reference = Reference.of(sampled_scenes(), sampled_scenes())
+    reference = Reference.measure(sampled_scenes(), sampled_scenes())
     groups = {
         RAW: disturbed(0.5),
         FEASIBLE: disturbed(0.05),

@@ -60,14 +60,14 @@ def test_draws_are_held_against_the_scene_that_they_are_most_like():
     moved = _room(20.0)
     moved.center_enu_m[:, 0] += 0.04
     moved.size_m[:] *= 1.02
-    off = _Off.of([moved], real)
+    off = _Off.compare([moved], real)
     assert off.place_cm == pytest.approx(np.full(4, 4.0))
     assert off.extent_percent == pytest.approx(np.full(4, 2.0))
     assert off.missing_percent == 0.0
     lost = FlatBoxes(
         moved.category[1:], moved.center_enu_m[1:], moved.yaw_rad[1:], moved.size_m[1:]
     )
-    assert _Off.of([lost], real).missing_percent == pytest.approx(25.0)
+    assert _Off.compare([lost], real).missing_percent == pytest.approx(25.0)
 
 
 def test_few_small_scenes_are_refused(scenes):

@@ -32,13 +32,13 @@ def without_fine(scene: Scene) -> Scene:
 
 
 def test_furniture_alone_is_in_the_picture(room: Scene):
-    camera = ClassPictures.of([room])
+    camera = ClassPictures.from_scenes([room])
     assert (picture(without_fine(room), camera) == 255).all()
     assert (picture(room, camera) != 255).any()
 
 
 def test_a_class_has_a_colour_of_its_own_and_a_strange_one_is_grey(room: Scene):
-    camera = ClassPictures.of([room])
+    camera = ClassPictures.from_scenes([room])
     assert len(camera.classes) > 1
     seen = {tuple(rgb) for rgb in picture(room, camera).reshape(-1, 3).tolist()}
     assert len(seen) > len(camera.classes)
@@ -52,7 +52,7 @@ def test_an_object_covers_as_many_pixels_as_its_area_has(room: Scene):
     box = replace(obj.bbox, p=(*floor.bbox.p[:2], 0.5), q=(1.0, 0.0, 0.0, 0.0), s=(2.0, 1.0, 1.0))
     one_room = tuple(each for each in without_fine(room).objects if each is floor)
     alone = replace(room, objects=(*one_room, replace(obj, bbox=box)), interaction_areas=())
-    shown = picture(alone, ClassPictures.of([alone]))
+    shown = picture(alone, ClassPictures.from_scenes([alone]))
     inked = (255 - shown).sum() / (255 - shown[PIXELS // 2, PIXELS // 2]).sum()
     assert inked * (2 * HALF_M / PIXELS) ** 2 == pytest.approx(2.0, rel=0.02)
     rows, columns = np.nonzero((shown != 255).any(axis=2))

@@ -176,7 +176,7 @@ def test_too_few_scenes_of_a_split_are_refused_with_the_number_that_would_do(cap
 
 def test_pictures_are_the_same_every_time_and_show_what_changes():
     scene = ten_objects(cached_scene(42))
-    camera = Camera.of([scene])
+    camera = Camera.from_scenes([scene])
     first = camera.pictures(scene)
     assert [picture.shape for picture in first] == [(PIXELS, PIXELS, 3)] * 2
     for one, other in zip(first, camera.pictures(scene), strict=True):
@@ -198,14 +198,14 @@ def test_pictures_are_the_same_every_time_and_show_what_changes():
 def test_the_land_of_a_site_is_in_no_picture():
     raised = cached_scene(31)
     assert raised.relief is not None
-    camera = Camera.of([raised])
+    camera = Camera.from_scenes([raised])
     pairs = zip(camera.pictures(raised), camera.pictures(level(raised)), strict=True)
     assert all((one == other).all() for one, other in pairs)
 
 
 def test_a_larger_scene_looks_larger():
     scene = ten_objects(cached_scene(42))
-    camera = Camera.of([scene])
+    camera = Camera.from_scenes([scene])
     wide = Camera({domain: 2 * reach_m for domain, reach_m in camera.reach_m.items()})
     near, far = camera.pictures(scene)[0], wide.pictures(scene)[0]
     corner = PIXELS // 4
@@ -216,7 +216,7 @@ def test_a_larger_scene_looks_larger():
 
 def test_rooms_fill_the_picture_and_not_the_yard_about_them():
     scene, _ = make_flyable(neutral_layout(house()))
-    (reach_m,) = Camera.of([scene]).reach_m.values()
+    (reach_m,) = Camera.from_scenes([scene]).reach_m.values()
     # Half of the ten metres of the two rooms; the yard reaches six farther.
     assert reach_m == pytest.approx(5.0)
     assert scene.extent_max_enu_m[0] > 10.0

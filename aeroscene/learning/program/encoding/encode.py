@@ -75,7 +75,7 @@ def encode(scene: Scene, cfg: EncodingCfg = WHOLE) -> EncodedProgram:
     root = Node(scene_kind(scene.domain, scene.theme))
     encoder = _Encoder(scene, root, cfg)
     encoder.add_site()
-    buildings = building_partitions(scene, Word.of) if cfg.has_partitions else []
+    buildings = building_partitions(scene, Word.from_object) if cfg.has_partitions else []
     for building in buildings:
         encoder.add_building(building)
     # Units come after all partitions, because they stand on the objects of these.
@@ -116,7 +116,7 @@ class _Encoder:
     def add_site(self) -> None:
         """Add the covers of the ground."""
         self.bearer[None] = self.root, 0
-        parsed = site_partition(self.scene, Word.of) if self.cfg.has_partitions else None
+        parsed = site_partition(self.scene, Word.from_object) if self.cfg.has_partitions else None
         if parsed is None:
             return
         head, cells = site_node(parsed.site)

@@ -73,7 +73,7 @@ def unit_node(
     size_m = unit_size_m(unit)
     kind = _kind(unit, first, is_root=first.id in roots, as_last=_as_last(size_m, last_m))
     node = Node(kind, host=unit.relation.host)
-    node.shape = Shape.of(unit.array)
+    node.shape = Shape.from_array(unit.array)
     node.ids, node.looks = [each.id for each in members], [looks(each) for each in members]
     halves_m = [foot_m(member.category_id, member.size_m) for member in unit.members]
     _put_place(node, unit, halves_m, objects, site)

@@ -60,7 +60,7 @@ def fresh_example(encode: Encoder, folder: Path, number: int) -> Fresh:
     """
     scene = _scene(folder, number)
     # The areas are not derived; their greatest number stands for them.
-    wish = replace(Wish.of(scene), n_areas=most_landing_areas(number))
+    wish = replace(Wish.from_scene(scene), n_areas=most_landing_areas(number))
     try:
         example = encode(scene, wish)
     except UnencodableError as error:

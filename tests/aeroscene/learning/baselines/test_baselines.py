@@ -85,8 +85,8 @@ def test_a_stopped_training_goes_on_to_the_same_scene(name, tmp_path):
     ids=lambda value: getattr(value, "__name__", value),
 )
 def test_a_baseline_learns(kind, term):
-    code = LayoutCode.of(some_scenes())
-    data = LayoutSet.of(some_scenes(), code)
+    code = LayoutCode.from_scenes(some_scenes())
+    data = LayoutSet.from_scenes(some_scenes(), code)
     torch.manual_seed(0)
     # The noise of all channels has to go through.
     model = kind(code, replace(TINY, width=96))
@@ -139,8 +139,8 @@ def test_mixtures_sum_to_one_over_all_bins_and_draw_what_they_say():
 
 
 def test_signed_distances_are_those_of_boxes():
-    code = LayoutCode.of(some_scenes())
-    data = LayoutSet.of(some_scenes()[:1], code)
+    code = LayoutCode.from_scenes(some_scenes())
+    data = LayoutSet.from_scenes(some_scenes()[:1], code)
     batch = data.in_order(0, 1)
     (boxes,) = layouts_of(some_scenes()[:1])
     rng = np.random.default_rng(0)
@@ -175,9 +175,9 @@ def signed_distance(boxes, i, point):
 
 
 def test_physical_guidance_parts_objects_in_the_last_steps_and_resizes_nothing():
-    code = LayoutCode.of(some_scenes())
+    code = LayoutCode.from_scenes(some_scenes())
     model = PhyScene(code, TINY)
-    batch = LayoutSet.of(some_scenes()[:1], code).in_order(0, 1)
+    batch = LayoutSet.from_scenes(some_scenes()[:1], code).in_order(0, 1)
     x = batch.x0.clone()
     # All in one place, but for their heights.
     x[..., :2] = 0.01 * torch.randn(x[..., :2].shape, generator=torch.Generator().manual_seed(0))
@@ -212,11 +212,11 @@ def test_values_far_from_every_mean_still_pull_at_it():
 
 
 def test_atiss_reads_no_slots_that_nobody_fills():
-    code = replace(LayoutCode.of(some_scenes()), n_slots=64)
+    code = replace(LayoutCode.from_scenes(some_scenes()), n_slots=64)
     model = Atiss(code, TINY)
     read = []
     model.encoder.register_forward_pre_hook(lambda _, args: read.append(args[0].shape[1]))
-    batch = LayoutSet.of(some_scenes(), code).in_order(0, len(some_scenes()))
+    batch = LayoutSet.from_scenes(some_scenes(), code).in_order(0, len(some_scenes()))
     for seed in range(8):
         model(batch, torch.Generator().manual_seed(seed))
     # A query and the domain stand before the objects.
@@ -224,16 +224,16 @@ def test_atiss_reads_no_slots_that_nobody_fills():
 
 
 def test_the_code_of_a_layout_knows_the_order_in_which_it_is_read():
-    code = LayoutCode.of(some_scenes())
+    code = LayoutCode.from_scenes(some_scenes())
     model = DiffusionSdf(code, TINY)
-    batch = LayoutSet.of(some_scenes()[:1], code).in_order(0, 1)
+    batch = LayoutSet.from_scenes(some_scenes()[:1], code).in_order(0, 1)
     other = batch.x0.clone()
     other[:, :2] = batch.x0[:, :2].flip(1)
     assert not torch.allclose(model._encode(batch.x0)[0], model._encode(other)[0], atol=1e-4)
 
 
 def test_geometry_weighs_as_much_as_the_many_channels_of_categories(monkeypatch):
-    code = LayoutCode.of(some_scenes())
+    code = LayoutCode.from_scenes(some_scenes())
     model = DiffuScene(code, TINY)
     weights = []
 
@@ -242,13 +242,15 @@ def test_geometry_weighs_as_much_as_the_many_channels_of_categories(monkeypatch)
         return diffusion_loss(denoiser, batch, *args)
 
     monkeypatch.setattr(diffuscene, "diffusion_loss", looked_at)
-    model(LayoutSet.of(some_scenes(), code).in_order(0, 4), torch.Generator().manual_seed(0))
+    model(
+        LayoutSet.from_scenes(some_scenes(), code).in_order(0, 4), torch.Generator().manual_seed(0)
+    )
     geometry, categories = weights[0][..., :8].sum(), weights[0][..., 8:].sum()
     assert float(geometry) == pytest.approx(float(categories), rel=1e-4)
 
 
 def test_the_vectors_of_a_code_are_told_apart_by_their_places():
-    model = DiffusionSdf(LayoutCode.of(some_scenes()), TINY)
+    model = DiffusionSdf(LayoutCode.from_scenes(some_scenes()), TINY)
     code = torch.randn(1, 16, 32, generator=torch.Generator().manual_seed(0))
     assert not torch.allclose(model._decode(code), model._decode(code.flip(1)), atol=1e-4)
 
@@ -276,8 +278,8 @@ def test_the_papers_preset_has_steps_enough_for_minutes():
 
 def test_where_objects_stand_is_heard_in_a_new_code():
     torch.manual_seed(0)
-    model = DiffusionSdf(LayoutCode.of(some_scenes()), replace(TINY, width=96))
-    batch = LayoutSet.of(some_scenes(), model.code).in_order(0, len(some_scenes()))
+    model = DiffusionSdf(LayoutCode.from_scenes(some_scenes()), replace(TINY, width=96))
+    batch = LayoutSet.from_scenes(some_scenes(), model.code).in_order(0, len(some_scenes()))
     moved = batch.x0.clone()
     moved[..., :2] += torch.randn(moved[..., :2].shape) * batch.mask[..., None]
     (before, log_variance), (after, _) = model._encode(batch.x0), model._encode(moved)

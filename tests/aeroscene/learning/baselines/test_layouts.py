@@ -21,7 +21,7 @@ from tests.aeroscene.conftest import cached_scene, sampled_scenes
 
 @pytest.fixture(scope="module")
 def code():
-    return LayoutCode.of(sampled_scenes())
+    return LayoutCode.from_scenes(sampled_scenes())
 
 
 def test_boxes_survive_encoding_and_decoding(code):
@@ -76,7 +76,7 @@ def test_empty_slots_are_no_objects_and_a_layout_has_one_at_least(code):
 
 
 def test_batches_are_turned_and_mirrored_as_one_and_keep_their_content(code):
-    data = LayoutSet.of(sampled_scenes()[:1], code)
+    data = LayoutSet.from_scenes(sampled_scenes()[:1], code)
     (boxes,) = layouts_of(sampled_scenes()[:1])
     away = np.linalg.norm(boxes.center_enu_m[:, None] - boxes.center_enu_m, axis=-1)
     away = np.sort(away, axis=None)
@@ -94,8 +94,8 @@ def test_batches_are_turned_and_mirrored_as_one_and_keep_their_content(code):
 
 
 def test_scenes_with_more_objects_than_slots_are_left_out():
-    code = LayoutCode.of([min(sampled_scenes(), key=lambda scene: len(scene.objects))])
-    assert 0 < len(LayoutSet.of(sampled_scenes(), code).examples) < len(sampled_scenes())
+    code = LayoutCode.from_scenes([min(sampled_scenes(), key=lambda scene: len(scene.objects))])
+    assert 0 < len(LayoutSet.from_scenes(sampled_scenes(), code).examples) < len(sampled_scenes())
 
 
 def test_marginals_keep_what_there_is_and_break_what_goes_together():

@@ -204,7 +204,7 @@ def test_contents_are_those_of_scenes_of_the_theme_where_scenes_seen_say_it():
 def test_a_scene_is_a_wish_for_its_theme():
     scene = cached_scene(42)
     assert scene.theme
-    assert Wish.of(scene).theme == scene.theme
+    assert Wish.from_scene(scene).theme == scene.theme
 
 
 def test_a_site_gets_land_but_a_scene_that_is_given_keeps_its_ground():

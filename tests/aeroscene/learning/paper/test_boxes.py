@@ -16,7 +16,7 @@ from aeroscene.scene.catalogue import CATALOGUE, category_id
 
 
 def boxes_of(scene: Scene, *, has_regions: bool) -> FlatBoxes:
-    layout = flat_layout(scene, Wish.of(scene), has_regions=True)
+    layout = flat_layout(scene, Wish.from_scene(scene), has_regions=True)
     return FlatBoxes(
         layout.category,
         layout.center_enu_m,
@@ -27,7 +27,7 @@ def boxes_of(scene: Scene, *, has_regions: bool) -> FlatBoxes:
 
 
 def made_of(boxes: FlatBoxes, scene: Scene, seed: int = 0) -> Scene:
-    looks = Looks.of([scene])
+    looks = Looks.from_scenes([scene])
     return boxes.scene(scene.domain, looks, "made", 7, np.random.default_rng(seed))
 
 
@@ -112,4 +112,4 @@ def test_any_boxes_make_a_document(scene_42: Scene) -> None:
     )
     made = made_of(boxes, scene_42)
     assert len(made.objects) == 30
-    assert {obj.category for obj in made.objects} <= set(Looks.of([scene_42]).by_category)
+    assert {obj.category for obj in made.objects} <= set(Looks.from_scenes([scene_42]).by_category)

@@ -42,7 +42,7 @@ def by_number(name: str) -> int:
 
 def test_a_list_has_every_box_coarse_ones_first(scenes: list[Scene]) -> None:
     for scene in scenes:
-        layout = flat_layout(scene, Wish.of(scene), has_regions=True)
+        layout = flat_layout(scene, Wish.from_scene(scene), has_regions=True)
         assert layout.is_coarse.sum() == layout.n_coarse == sum(o.is_coarse for o in scene.objects)
         places = turned(layout.center_enu_m, layout.site_yaw_rad)
         listed = np.column_stack([layout.category, layout.size_m, places])
@@ -51,7 +51,7 @@ def test_a_list_has_every_box_coarse_ones_first(scenes: list[Scene]) -> None:
 
 
 def test_regions_are_the_nearest_coarse_ancestors(scene_42: Scene) -> None:
-    layout = flat_layout(scene_42, Wish.of(scene_42), has_regions=True)
+    layout = flat_layout(scene_42, Wish.from_scene(scene_42), has_regions=True)
     by_id = {obj.id: obj for obj in scene_42.objects}
     places = turned(layout.center_enu_m, layout.site_yaw_rad)
     place_of = {tuple(np.round(p, 4)): row for row, p in enumerate(places)}
@@ -71,7 +71,7 @@ def test_regions_are_the_nearest_coarse_ancestors(scene_42: Scene) -> None:
 
 
 def test_lists_of_the_one_chain_know_no_regions(scene_42: Scene) -> None:
-    layout = flat_layout(scene_42, Wish.of(scene_42), has_regions=False)
+    layout = flat_layout(scene_42, Wish.from_scene(scene_42), has_regions=False)
     assert (layout.region == NO_REGION).all()
     fine = layout.category[layout.n_coarse :]
     assert (np.diff(fine) >= 0).all()
@@ -80,7 +80,7 @@ def test_lists_of_the_one_chain_know_no_regions(scene_42: Scene) -> None:
 def test_symmetries_keep_distances_regions_and_the_order(scenes: list[Scene]) -> None:
     rng = np.random.default_rng(0)
     for scene in scenes:
-        layout = flat_layout(scene, Wish.of(scene), has_regions=True)
+        layout = flat_layout(scene, Wish.from_scene(scene), has_regions=True)
         region_m = _to_regions(layout)
         for _ in range(8):
             other = random_symmetry(layout, rng)
@@ -94,7 +94,7 @@ def test_symmetries_keep_distances_regions_and_the_order(scenes: list[Scene]) ->
 def test_alike_objects_stand_in_order_from_right_to_left(scenes: list[Scene]) -> None:
     rng = np.random.default_rng(0)
     for scene in scenes:
-        layout = random_symmetry(flat_layout(scene, Wish.of(scene), has_regions=True), rng)
+        layout = random_symmetry(flat_layout(scene, Wish.from_scene(scene), has_regions=True), rng)
         statistics = measure([layout], has_regions=True)
         frames = frames_of(layout, statistics)
         channels, turn = measured_channels(layout, frames)
@@ -135,11 +135,11 @@ def test_a_wall_is_two_sided_and_a_chair_is_not() -> None:
 
 
 def test_a_turned_site_is_the_same_layout_but_for_its_yaw(scene_42: Scene) -> None:
-    straight = flat_layout(scene_42, Wish.of(scene_42), has_regions=True)
+    straight = flat_layout(scene_42, Wish.from_scene(scene_42), has_regions=True)
     for yaw_rad in (0.3, -0.7):
         objects = tuple(replace(o, bbox=_turned(o.bbox, yaw_rad)) for o in scene_42.objects)
         other = replace(scene_42, objects=objects, interaction_areas=())
-        layout = flat_layout(other, Wish.of(other), has_regions=True)
+        layout = flat_layout(other, Wish.from_scene(other), has_regions=True)
         away_rad = (layout.site_yaw_rad - straight.site_yaw_rad - yaw_rad) / QUARTER_RAD
         assert away_rad == pytest.approx(round(away_rad), abs=1e-6)
         quarters = round(away_rad) % 4

@@ -82,7 +82,7 @@ def test_encoder_makes_the_same_examples_in_another_process(small_scenes, preset
     text = pickle.dumps(known.encoder)
     other = pickle.loads(text)
     for scene, example in zip(small_scenes, known.examples, strict=True):
-        made = other(scene, Wish.of(scene))
+        made = other(scene, Wish.from_scene(scene))
         if preset != "default":
             assert np.array_equal(made.center_enu_m, example.center_enu_m)
             assert np.array_equal(made.region, example.region)
@@ -104,7 +104,7 @@ def test_held_out_scenes_that_cannot_be_encoded_are_counted(small_scenes):
     data = prepared("small", indoor, [indoor[0], outdoor])
     assert (len(data.held_out.examples), data.n_skipped) == (1, 1)
     with pytest.raises(UnencodableError, match=r"^kind .* is unknown"):
-        data.train.encoder(outdoor, Wish.of(outdoor))
+        data.train.encoder(outdoor, Wish.from_scene(outdoor))
 
 
 def test_neutral_layouts_train_too_and_every_tenth_is_held_out(tmp_path):

@@ -25,7 +25,7 @@ def test_a_checkpoint_encodes_scenes_as_its_training_was():
     language = learn_language(encoded, cfg)
     kept = Language.restored(language.to_json(), language.to_arrays())
     assert kept.encoding == cfg
-    written = [ProgramEncoder(kept)(scene, Wish.of(scene)) for scene in scenes]
+    written = [ProgramEncoder(kept)(scene, Wish.from_scene(scene)) for scene in scenes]
     assert [len(each.example.skeleton) for each in written] == [
         len(each.program.kinds) for each in encoded
     ]
