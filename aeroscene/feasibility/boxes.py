@@ -180,19 +180,19 @@ class Overlaps:
 
 
 def forbidden_overlaps(
-    boxes: Boxes, least_m: float = 0.0, is_left: Bool[np.ndarray, " n"] | None = None
+    boxes: Boxes, least_m: float = 0.0, is_present: Bool[np.ndarray, " n"] | None = None
 ) -> Overlaps:
     """Find pairs that are not kin and overlap.
 
     Args:
         boxes: Boxes.
         least_m: Depth up to which an overlap does not count.
-        is_left: Boxes that are considered; all by default.
+        is_present: Boxes that are considered; all by default.
     """
     first, second = np.triu_indices(len(boxes), 1)
     is_stranger = ~boxes.is_kin[first, second]
-    if is_left is not None:
-        is_stranger &= is_left[first] & is_left[second]
+    if is_present is not None:
+        is_stranger &= is_present[first] & is_present[second]
     first, second = first[is_stranger], second[is_stranger]
     rise = boxes.half_m[first, 2] + boxes.half_m[second, 2]
     rise -= np.abs(boxes.centre_m[second, 2] - boxes.centre_m[first, 2])

@@ -73,7 +73,7 @@ class Changes:
 
     def _count_costs(self, layout: Layout) -> Float[np.ndarray, " v"]:
         """Cost of a metre of each change: the number of objects that it displaces."""
-        carried = layout.moves_with[:, self._movable] & layout.is_left[:, None]
+        carried = layout.moves_with[:, self._movable] & layout.is_present[:, None]
         is_ground = [layout.objects[row].category in GROUND for row in self._movable]
         # Objects that are carried count with their carrier.
         moves = carried.sum(axis=0) * np.where(is_ground, _GROUND_FACTOR, 1.0)

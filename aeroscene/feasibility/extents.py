@@ -45,14 +45,14 @@ def _hug(layout: Layout, shell: int) -> None:
     boxes = layout.boxes
     corners = boxes.corners()[shell]
     low, high = corners.min(axis=0), corners.max(axis=0)
-    own = np.flatnonzero((boxes.parent == shell) & layout.is_left)
+    own = np.flatnonzero((boxes.parent == shell) & layout.is_present)
     top_m = float(max(boxes.top_m[shell], *boxes.top_m[own])) if len(own) else boxes.top_m[shell]
     _widen(layout, np.array([*low, 0.0]), np.array([*high, top_m]))
 
 
 def _grow(layout: Layout) -> None:
     boxes = layout.boxes
-    corners = boxes.corners()[(boxes.parent < 0) & layout.is_left].reshape(-1, 2)
+    corners = boxes.corners()[(boxes.parent < 0) & layout.is_present].reshape(-1, 2)
     if not len(corners):
         return
     low, high = (end.copy() for end in layout.extent_m)
@@ -69,11 +69,11 @@ def hold_all(layout: Layout) -> None:
 
     Called at the end, when no push is left that could bring them back.
     """
-    if not layout.is_left.any():
+    if not layout.is_present.any():
         return
     boxes, (low, high) = layout.boxes, layout.extent_m.copy()
-    corners = boxes.corners()[layout.is_left].reshape(-1, 2)
-    top_m = float(boxes.top_m[layout.is_left].max())
+    corners = boxes.corners()[layout.is_present].reshape(-1, 2)
+    top_m = float(boxes.top_m[layout.is_present].max())
     low[:2] = np.minimum(low[:2], corners.min(axis=0))
     high[:2] = np.maximum(high[:2], corners.max(axis=0))
     is_open = _shell(layout) is None

@@ -44,7 +44,7 @@ def settle_gaps(layout: Layout, obstacles: Boxes) -> None:
 
 def _narrow_pairs(layout: Layout) -> Int[np.ndarray, "k 2"]:
     """Return the pairs with a narrow gap, as rows."""
-    rows = np.flatnonzero(layout.is_fine & layout.is_left)
+    rows = np.flatnonzero(layout.is_fine & layout.is_present)
     i, j = np.triu_indices(len(rows), 1)
     first, second = rows[i], rows[j]
     is_narrow = _are_narrow(layout.boxes, first, second)
@@ -102,7 +102,7 @@ def _try_shift(
 
 def _state(layout: Layout, obstacles: Boxes, moved: Int[np.ndarray, " k"]) -> tuple[int, float]:
     """Return how many narrow gaps some rows have, and how deep they overlap with others in all."""
-    others = np.flatnonzero(layout.is_left)
+    others = np.flatnonzero(layout.is_present)
     pairs = np.array(np.meshgrid(moved, others)).reshape(2, -1)
     pairs = pairs[:, ~np.isin(pairs[1], moved)]
     is_fine = layout.is_fine[pairs[0]] & layout.is_fine[pairs[1]]

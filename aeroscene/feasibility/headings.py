@@ -45,7 +45,7 @@ def square_up(layout: Layout) -> None:
 def _site_heading_rad(layout: Layout) -> float:
     """Heading, up to quarter turns, that most of the ground plan shares by area."""
     boxes = layout.boxes
-    roots = np.flatnonzero((layout.host < 0) & layout.is_left)
+    roots = np.flatnonzero((layout.host < 0) & layout.is_present)
     if not len(roots):
         return 0.0
     area = boxes.half_m[roots, :2].prod(axis=1)

@@ -64,7 +64,7 @@ def set_heights(layout: Layout, rows: Int[np.ndarray, " k"]) -> None:
     # Hosts come first, and carry their objects along.
     """
     for row in rows.tolist():
-        if layout.is_pinned[row] or not layout.is_left[row]:
+        if layout.is_pinned[row] or not layout.is_present[row]:
             continue
         base_m = _bearing_m(layout, row)
         rise_m = base_m - float(layout.boxes.base_m[row])

@@ -123,21 +123,23 @@ def _openness_m(
     yaw = float(boxes.yaw_rad[ground])
     open_m = np.zeros(len(spots))
     # Too near to the border, no square of air fits into the volume.
-    left = np.flatnonzero(border_m >= FREE_RADIUS_M)
-    left = left[_are_free(boxes, is_obstacle, spots[left], yaw, FREE_RADIUS_M, top_m + _KERB_M)]
-    open_m[left] = FREE_RADIUS_M
+    candidates = np.flatnonzero(border_m >= FREE_RADIUS_M)
+    candidates = candidates[
+        _are_free(boxes, is_obstacle, spots[candidates], yaw, FREE_RADIUS_M, top_m + _KERB_M)
+    ]
+    open_m[candidates] = FREE_RADIUS_M
     # From the widest square down: spots that pass need no further test.
     for radius_m in _OPEN_RADII_M:
         base_m = top_m + _OPEN_ABOVE_M
-        is_free = _are_free(boxes, is_obstacle, spots[left], yaw, radius_m, base_m)
-        open_m[left[is_free]] = radius_m
-        left = left[~is_free]
+        is_free = _are_free(boxes, is_obstacle, spots[candidates], yaw, radius_m, base_m)
+        open_m[candidates[is_free]] = radius_m
+        candidates = candidates[~is_free]
     return open_m
 
 
 def _structures(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
     """Coarse objects that stay; fine ones make room."""
-    return layout.is_coarse & layout.is_left & ~layout.moves_with[:, row]
+    return layout.is_coarse & layout.is_present & ~layout.moves_with[:, row]
 
 
 def _are_free(

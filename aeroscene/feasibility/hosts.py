@@ -25,9 +25,9 @@ def dissolve(layout: Layout, row: int) -> None:
     Objects of a room that have no other room are dropped; objects of open ground stay on the bare
     earth.
     """
-    children = np.flatnonzero((layout.boxes.parent == row) & layout.is_left).tolist()
+    children = np.flatnonzero((layout.boxes.parent == row) & layout.is_present).tolist()
     is_room = layout.objects[row].category in ROOMS
-    layout.is_left[row] = False
+    layout.is_present[row] = False
     for child in children:
         ground = _ground_below(layout, child, row)
         if is_room and ground < 0:
@@ -35,7 +35,7 @@ def dissolve(layout: Layout, row: int) -> None:
         else:
             layout.adopt(child, ground)
     # Roots stand on it without being its children.
-    layout.host[(layout.host == row) & layout.is_left] = -1
+    layout.host[(layout.host == row) & layout.is_present] = -1
     layout.relink()
 
 
@@ -48,7 +48,7 @@ def rehome(layout: Layout) -> None:
     boxes = layout.boxes
     for row, obj in enumerate(layout.objects):
         host = int(boxes.parent[row])
-        if host < 0 or not layout.is_left[row]:
+        if host < 0 or not layout.is_present[row]:
             continue
         bearer = layout.objects[host]
         is_surface = bearer.category in GROUND or (bearer.category in ROOMS and not obj.is_coarse)
@@ -75,7 +75,7 @@ def _ground_below(layout: Layout, row: int, host: int) -> int:
             return ground
     if not is_fine and layout.objects[host].category not in ROOMS:
         return -1
-    like = [host, *like] if layout.is_left[host] else like
+    like = [host, *like] if layout.is_present[host] else like
     return min(like, key=lambda ground: _beside_m(layout, ground, at), default=-1)
 
 

@@ -58,7 +58,7 @@ def insert(scene: Scene, given: Scene, region: Region) -> Feasible:
         _drop_unsound(layout, region)
         found, rejection = _with_areas(_assembled(layout), given, region)
         # No unpinned object is left: nothing was inserted.
-        if layout.is_pinned[layout.is_left].all():
+        if layout.is_pinned[layout.is_present].all():
             rejection = f"nothing new has a place in the region {region}; valid: a larger region"
     except (SceneError, ShapelyError) as error:
         found, rejection = scene, str(error)
@@ -67,7 +67,7 @@ def insert(scene: Scene, given: Scene, region: Region) -> Feasible:
 
 def _assembled(layout: Layout) -> Scene:
     """The scene in its present state, with the flight volume and the start that it had."""
-    return replace(layout.scene, objects=layout.left(), interaction_areas=())
+    return replace(layout.scene, objects=layout.remaining(), interaction_areas=())
 
 
 def _drop_unsound(layout: Layout, region: Region) -> None:
@@ -76,7 +76,7 @@ def _drop_unsound(layout: Layout, region: Region) -> None:
     lost = [row for row in rows.values() if not region.holds(layout.box(row).p)]
     # Dropping one object may leave others without support, hence again until nothing is found.
     while True:
-        lost = [row for row in lost if layout.is_left[row] and not layout.is_pinned[row]]
+        lost = [row for row in lost if layout.is_present[row] and not layout.is_pinned[row]]
         for row in lost:
             layout.drop(row)
         found = [rows[each] for each in sorted(unsound(_assembled(layout)))]

@@ -38,7 +38,7 @@ class Layout:
     """Row of the object with which each moves: its parent, or for a root the ground on which it
     stands; -1 for neither.
     """
-    is_left: Bool[np.ndarray, " n"]
+    is_present: Bool[np.ndarray, " n"]
     """True for objects that are still there."""
     extent_m: Float[np.ndarray, "2 3"]
     """Lower and upper corner of the flight volume, which may grow."""
@@ -77,9 +77,9 @@ class Layout:
             obstacles: Boxes to be kept free; their rows follow those of the objects.
         """
         boxes = joined(self.boxes, obstacles)
-        is_left = np.ones(len(boxes), dtype=bool)
-        is_left[: len(self.boxes)] = self.is_left
-        return forbidden_overlaps(boxes, least_m, is_left)
+        is_present = np.ones(len(boxes), dtype=bool)
+        is_present[: len(self.boxes)] = self.is_present
+        return forbidden_overlaps(boxes, least_m, is_present)
 
     def obstructs(self, row: int) -> Bool[np.ndarray, " n"]:
         """Objects for which an object must make room: all for fine ones, coarse for coarse."""
@@ -87,8 +87,8 @@ class Layout:
 
     def rows(self, categories: frozenset[str]) -> list[int]:
         """Rows of the remaining objects of some categories."""
-        left = np.flatnonzero(self.is_left).tolist()
-        return [row for row in left if self.objects[row].category in categories]
+        present = np.flatnonzero(self.is_present).tolist()
+        return [row for row in present if self.objects[row].category in categories]
 
     def parent_of(self, row: int) -> SceneObject | None:
         """Parent of an object before any change; None without one."""
@@ -133,7 +133,7 @@ class Layout:
         group = int(self.tile_group[row])
         if group == NO_ROOM:
             return np.array([row])
-        return np.flatnonzero((self.tile_group == group) & self.is_left)
+        return np.flatnonzero((self.tile_group == group) & self.is_present)
 
     def relink(self) -> None:
         """Update `moves_with` after hosts have changed."""
@@ -141,7 +141,7 @@ class Layout:
         for row in range(len(self.host)):
             self.moves_with[row, self.chain(row)] = True
         # A chair follows its table only while both stand on the same host.
-        seated = np.flatnonzero((self.table >= 0) & self.is_left & self.is_left[self.table])
+        seated = np.flatnonzero((self.table >= 0) & self.is_present & self.is_present[self.table])
         for row in seated.tolist():
             if self.host[row] == self.host[self.table[row]]:
                 self.moves_with[row, self.table[row]] = True
@@ -199,8 +199,8 @@ class Layout:
             row: Row of the object.
         """
         gone = self.family(row)
-        self.is_left[gone] = False
-        self.host[np.isin(self.host, gone) & self.is_left] = -1
+        self.is_present[gone] = False
+        self.host[np.isin(self.host, gone) & self.is_present] = -1
         self.relink()
 
     def box(self, row: int) -> OrientedBox:
@@ -231,10 +231,10 @@ class Layout:
             attributes=self.attributes.get(row, old.attributes),
         )
 
-    def left(self) -> tuple[SceneObject, ...]:
+    def remaining(self) -> tuple[SceneObject, ...]:
         """All remaining objects in their present state, parents first."""
         order: list[int] = []
-        waiting = np.flatnonzero(self.is_left).tolist()
+        waiting = np.flatnonzero(self.is_present).tolist()
         while waiting:
             row = waiting.pop(0)
             above = int(self.boxes.parent[row])
@@ -254,20 +254,20 @@ def layout_of(scene: Scene, pinned: Collection[int] = ()) -> Layout:
         pinned: Ids of objects that must not change.
     """
     boxes = boxes_of(scene.objects)
-    is_left = np.ones(len(boxes), dtype=bool)
+    is_present = np.ones(len(boxes), dtype=bool)
     extent = np.array([scene.extent_min_enu_m, scene.extent_max_enu_m], dtype=float)
     moves_with = np.eye(len(boxes), dtype=bool)
     is_coarse = np.array([obj.is_coarse for obj in scene.objects], dtype=bool)
     is_pinned = np.array([obj.id in pinned for obj in scene.objects], dtype=bool)
     table = np.full(len(boxes), -1)
-    chairs, tables = tables_of(scene.objects, boxes, is_left)
+    chairs, tables = tables_of(scene.objects, boxes, is_present)
     table[chairs] = tables
     table[is_pinned] = -1
     layout = Layout(
         scene=scene,
         boxes=boxes,
         host=boxes.parent.copy(),
-        is_left=is_left,
+        is_present=is_present,
         extent_m=extent,
         moves_with=moves_with,
         is_coarse=is_coarse,

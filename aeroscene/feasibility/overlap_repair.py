@@ -89,7 +89,7 @@ def resettle(layout: Layout, is_wanted: Bool[np.ndarray, " n"], obstacles: Boxes
         size = layout.boxes.half_m[losers].prod(axis=1)
         for row in losers[np.argsort(-size, kind="stable")].tolist():
             # An earlier move in this round may have solved the conflict.
-            if layout.is_left[row] and _is_in_conflict(layout, row, obstacles):
+            if layout.is_present[row] and _is_in_conflict(layout, row, obstacles):
                 settle(layout, row, obstacles)
         if not len(losers):
             break
@@ -181,7 +181,7 @@ def _losers(
     Fine objects make room for coarse ones.
     """
     n = len(layout.boxes)
-    carries = (layout.moves_with & layout.is_left[:, None]).sum(axis=0)
+    carries = (layout.moves_with & layout.is_present[:, None]).sum(axis=0)
     size = layout.boxes.half_m.prod(axis=1)
     lost: set[int] = set()
     overlaps = layout.overlaps(TOUCH_M, obstacles)
@@ -202,7 +202,7 @@ def _is_in_conflict(layout: Layout, row: int, obstacles: Boxes) -> bool:
     """Return true if an object overlaps any stranger for which it must make room."""
     boxes = joined(layout.boxes, obstacles)
     is_stranger = ~boxes.is_kin[row]
-    is_stranger[: len(layout.boxes)] &= layout.is_left & layout.obstructs(row)
+    is_stranger[: len(layout.boxes)] &= layout.is_present & layout.obstructs(row)
     rise = np.minimum(boxes.top_m, boxes.top_m[row]) - np.maximum(boxes.base_m, boxes.base_m[row])
     others = np.flatnonzero(is_stranger & (rise > TOUCH_M))
     return bool((footprint_depth(boxes, others, np.full(len(others), row)) > TOUCH_M).any())

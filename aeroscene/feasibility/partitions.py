@@ -30,12 +30,14 @@ _GAP_M = 0.0005
 def merge_walls(layout: Layout) -> None:
     """Keep the longest of all walls of a building that run beside each other."""
     half = layout.boxes.half_m
-    walls = [row for row in range(len(half)) if layout.is_left[row] and _is_partition(layout, row)]
+    walls = [
+        row for row in range(len(half)) if layout.is_present[row] and _is_partition(layout, row)
+    ]
     # The longest first, so that each wall meets those that give way to no other.
     walls.sort(key=lambda row: -float(half[row, 1]))
     for place, longer in enumerate(walls):
         for other in walls[place + 1 :]:
-            if layout.is_left[longer] and layout.is_left[other]:
+            if layout.is_present[longer] and layout.is_present[other]:
                 away = _from(layout, longer, other)
                 if _is_doubled(layout, longer, other, away):
                     _give_way(layout, longer, other, away)

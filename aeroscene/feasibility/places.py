@@ -64,8 +64,8 @@ def find_place(
         The place, or None if there is none.
     """
     boxes, group = layout.boxes, layout.carried(row)
-    group = np.array([row, *group[layout.is_left[group] & (group != row)].tolist()])
-    others = layout.is_left & ~layout.moves_with[:, row] & layout.obstructs(row)
+    group = np.array([row, *group[layout.is_present[group] & (group != row)].tolist()])
+    others = layout.is_present & ~layout.moves_with[:, row] & layout.obstructs(row)
     if layout.is_coarse[row]:
         # Fine objects on a coarse one find places of their own later.
         group = group[layout.is_coarse[group]]

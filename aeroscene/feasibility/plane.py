@@ -59,9 +59,9 @@ class PlaneProblem:
         """
         self._layout = layout
         self._began = joined(layout.boxes, obstacles)
-        self._movable = np.flatnonzero(is_movable & layout.is_left)
+        self._movable = np.flatnonzero(is_movable & layout.is_present)
         self._changes = Changes(layout, self._began, self._movable)
-        self._candidates = self._strangers(layout.is_left if among is None else among)
+        self._candidates = self._strangers(layout.is_present if among is None else among)
         self._have_met = np.zeros(len(self._candidates), dtype=bool)
         self._x = np.zeros(self._changes.width)
 
@@ -70,7 +70,7 @@ class PlaneProblem:
         began, layout = self._began, self._layout
         n, total = len(layout.boxes), len(began)
         is_there = np.ones(total, dtype=bool)
-        is_there[:n] = layout.is_left & among
+        is_there[:n] = layout.is_present & among
         moves = self._changes.carries.sum(axis=1) > 0
         first, second = np.triu_indices(total, 1)
         rise = np.minimum(began.top_m[first], began.top_m[second])

@@ -125,8 +125,8 @@ def _with_areas(scene: Scene, cfg: FeasibilityCfg) -> tuple[Scene, list[Finding]
     sound = [area for area in scene.interaction_areas if area.id not in wrong]
     # Numbers without gaps, as in scenes of the corpus.
     numbered = (replace(area, id=number) for number, area in enumerate(sound))
-    left = [f for f in findings if f.area_id is None or f.area_id not in wrong]
-    return replace(scene, interaction_areas=tuple(numbered)) if wrong else scene, left
+    remaining = [f for f in findings if f.area_id is None or f.area_id not in wrong]
+    return replace(scene, interaction_areas=tuple(numbered)) if wrong else scene, remaining
 
 
 def _rejection(

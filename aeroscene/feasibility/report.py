@@ -32,10 +32,10 @@ def report_of(layout: Layout, rejection: str | None = None) -> FeasibilityReport
         rejection: Reason why the scene cannot be used.
     """
     moved = layout.boxes.centre_m - boxes_of(layout.objects).centre_m
-    moved_m = np.linalg.norm(moved, axis=1)[layout.is_left]
+    moved_m = np.linalg.norm(moved, axis=1)[layout.is_present]
     return FeasibilityReport(
         n_objects=len(layout.objects),
-        n_dropped=int((~layout.is_left).sum()),
+        n_dropped=int((~layout.is_present).sum()),
         median_moved_m=float(np.median(moved_m)) if len(moved_m) else 0.0,
         mean_moved_m=float(moved_m.mean()) if len(moved_m) else 0.0,
         rejection=rejection,

@@ -22,15 +22,15 @@ _QUARTER = math.pi / 2
 
 
 def tables_of(
-    objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
+    objects: Sequence[SceneObject], boxes: Boxes, is_present: Bool[np.ndarray, " n"]
 ) -> tuple[Int[np.ndarray, " k"], Int[np.ndarray, " k"]]:
     """Rows of chairs that are drawn up to a table of the same parent, and rows of these tables.
 
     A chair's table is the nearest one that shares height with it.
     """
-    left = np.flatnonzero(is_left).tolist()
-    chairs = [i for i in left if objects[i].category in SEATS]
-    tables = [i for i in left if objects[i].category in TABLES]
+    present = np.flatnonzero(is_present).tolist()
+    chairs = [i for i in present if objects[i].category in SEATS]
+    tables = [i for i in present if objects[i].category in TABLES]
     pairs = [(i, j) for i in chairs for j in tables if boxes.parent[i] == boxes.parent[j]]
     if not pairs:
         return np.zeros(0, dtype=int), np.zeros(0, dtype=int)
@@ -47,12 +47,12 @@ def tables_of(
 
 
 def turns_to_tables(
-    objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
+    objects: Sequence[SceneObject], boxes: Boxes, is_present: Bool[np.ndarray, " n"]
 ) -> list[tuple[int, float]]:
     """Rows of chairs that face away from their table, and quarter turns to correct it, rad."""
     found: list[tuple[int, float]] = []
     for chair, table in zip(
-        *(rows.tolist() for rows in tables_of(objects, boxes, is_left)), strict=True
+        *(rows.tolist() for rows in tables_of(objects, boxes, is_present)), strict=True
     ):
         way = _way(boxes, chair, table)
         if not way.any():

@@ -55,7 +55,7 @@ class _Parts(NamedTuple):
 
 
 def _parts(layout: Layout, row: int) -> _Parts:
-    parts = np.flatnonzero((layout.boxes.parent == row) & layout.is_left).tolist()
+    parts = np.flatnonzero((layout.boxes.parent == row) & layout.is_present).tolist()
     kinds = (ROOMS, FLOORS, WALLS, ROOFS)
     return _Parts(*([i for i in parts if layout.objects[i].category in kind] for kind in kinds))
 

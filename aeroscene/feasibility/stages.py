@@ -197,7 +197,7 @@ def _drop_overlapping(layout: Layout) -> None:
 
 def _turn_about(layout: Layout) -> None:
     """Turn chairs to their present table, and vehicles into the direction of their lane."""
-    known = layout.objects, layout.boxes, layout.is_left
+    known = layout.objects, layout.boxes, layout.is_present
     for row, turn_rad in [*turns_to_tables(*known), *turns_with_traffic(*known)]:
         if not layout.is_pinned[row]:
             layout.turn(row, turn_rad)
@@ -245,7 +245,7 @@ def finished(layout: Layout) -> Scene:
     parents = [None if row < 0 else row for row in boxes.parent.tolist()]
     whole = [layout.box(row) for row in range(len(boxes))]
     for row, tile in strayed_to(layout.tile_group, parents, whole).items():
-        if layout.is_left[tile]:
+        if layout.is_present[tile]:
             boxes.parent[row] = tile
     low, high = layout.extent_m.tolist()
     start, yaw = tuple(np.clip(scene.start_position_enu_m, low, high).tolist()), scene.start_yaw_rad
@@ -257,7 +257,7 @@ def finished(layout: Layout) -> Scene:
         yaw = round(atan2(-v, -u), 6)
     return replace(
         scene,
-        objects=layout.left(),
+        objects=layout.remaining(),
         interaction_areas=(),
         extent_min_enu_m=tuple(low),
         extent_max_enu_m=tuple(high),

@@ -51,7 +51,7 @@ def follow_levels(layout: Layout, landings: list[Landing]) -> None:
     """
     boxes = layout.boxes
     for each in landings:
-        if not (layout.is_left[each.stairs] and layout.is_left[each.level]):
+        if not (layout.is_present[each.stairs] and layout.is_present[each.level]):
             continue
         # The share scales with the level: stairs stay at its edge after a cut.
         point = each.share * boxes.half_m[each.level, :2] + each.away_m
@@ -69,7 +69,7 @@ def drop_lost(layout: Layout, landings: list[Landing]) -> None:
     """
     leading = {each.stairs for each in landings_of(layout)}
     for each in landings:
-        if layout.is_left[each.stairs] and each.stairs not in leading:
+        if layout.is_present[each.stairs] and each.stairs not in leading:
             layout.drop(each.stairs)
 
 

@@ -76,7 +76,7 @@ def _rows(layout: Layout, categories: frozenset[str]) -> list[int]:
 def _beyond_m(layout: Layout, row: int) -> Float[np.ndarray, "2 2"]:
     """Distances by which a surface has to grow below the fine objects that it carries, m."""
     boxes = layout.boxes
-    is_child = (boxes.parent == row) & layout.is_left & ~layout.is_coarse
+    is_child = (boxes.parent == row) & layout.is_present & ~layout.is_coarse
     middle, reach = _spans(layout, row, np.flatnonzero(is_child))
     half = boxes.half_m[row, :2]
     low = np.max(reach - middle - half, axis=0, initial=-np.inf)
@@ -125,7 +125,7 @@ def _grow(layout: Layout, row: int, most_m: Float[np.ndarray, "2 2"]) -> None:
 def _obstacles(layout: Layout, row: int) -> Bool[np.ndarray, " n"]:
     """Coarse strangers at the height of a surface."""
     boxes = layout.boxes
-    found = layout.is_coarse & layout.is_left & ~boxes.is_kin[row]
+    found = layout.is_coarse & layout.is_present & ~boxes.is_kin[row]
     rise = np.minimum(boxes.top_m, boxes.top_m[row]) - np.maximum(boxes.base_m, boxes.base_m[row])
     return found & (rise > _TOUCH_M)
 

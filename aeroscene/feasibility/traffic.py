@@ -18,12 +18,12 @@ _ACROSS_RAD = math.radians(45.0)
 
 
 def turns_with_traffic(
-    objects: Sequence[SceneObject], boxes: Boxes, is_left: Bool[np.ndarray, " n"]
+    objects: Sequence[SceneObject], boxes: Boxes, is_present: Bool[np.ndarray, " n"]
 ) -> list[tuple[int, float]]:
     """Rows of vehicles on the wrong side of a road, and the turns that correct it, rad."""
-    left = np.flatnonzero(is_left).tolist()
-    roads = [_outline(boxes, row) for row in left if objects[row].category in ROADS]
-    vehicles = [row for row in left if objects[row].category in VEHICLES]
+    present = np.flatnonzero(is_present).tolist()
+    roads = [_outline(boxes, row) for row in present if objects[row].category in ROADS]
+    vehicles = [row for row in present if objects[row].category in VEHICLES]
     turns = ((row, _turn_rad(_outline(boxes, row).place, roads)) for row in vehicles)
     return [(row, turn_rad) for row, turn_rad in turns if turn_rad]
 

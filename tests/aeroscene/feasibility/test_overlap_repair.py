@@ -23,7 +23,7 @@ def test_balconies_without_room_go_with_what_stands_on_them(x_m, is_balcony):
     slab, chair = row_of(layout, SLAB), row_of(layout, CHAIR)
     assert layout.is_balcony(slab) == is_balcony
     settle(layout, slab, _nothing())
-    assert layout.is_left[[slab, chair]].tolist() == [not is_balcony] * 2
+    assert layout.is_present[[slab, chair]].tolist() == [not is_balcony] * 2
 
 
 def test_other_things_stay_where_they_have_room():

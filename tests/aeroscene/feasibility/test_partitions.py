@@ -29,7 +29,7 @@ def walls(*second: float, yaw_rad: float = 0.0) -> tuple[Layout, int, int]:
 def test_a_wall_that_runs_beside_another_continues_it_in_line(yaw_rad):
     layout, first, second = walls(0.12, 4.0, 5.0, 1.7, yaw_rad=yaw_rad)
     merge_walls(layout)
-    assert layout.is_left[[first, second]].all()
+    assert layout.is_present[[first, second]].all()
     boxes = layout.boxes
     assert boxes.centre_m[second, 0] == pytest.approx(60.0)
     assert boxes.centre_m[second, 1] - boxes.half_m[second, 1] == pytest.approx(3.0, abs=0.001)
@@ -48,8 +48,8 @@ def test_a_wall_away_from_the_line_of_another_keeps_its_own_line():
 def test_of_two_walls_side_by_side_one_is_left(offset_m):
     layout, first, second = walls(offset_m, 0.5, 5.5, 1.7)
     merge_walls(layout)
-    assert layout.is_left[first]
-    assert not layout.is_left[second]
+    assert layout.is_present[first]
+    assert not layout.is_present[second]
 
 
 @pytest.mark.parametrize(
@@ -66,7 +66,7 @@ def test_other_walls_stay(second, yaw_rad):
     layout, _, _ = walls(*second, yaw_rad=yaw_rad)
     before = layout.boxes.copy()
     merge_walls(layout)
-    assert layout.is_left.all()
+    assert layout.is_present.all()
     np.testing.assert_array_equal(layout.boxes.centre_m, before.centre_m)
     np.testing.assert_array_equal(layout.boxes.half_m, before.half_m)
 
@@ -76,5 +76,5 @@ def test_walls_of_the_corpus_stay(index):
     layout = layout_of(cached_scene(index))
     before = layout.boxes.copy()
     merge_walls(layout)
-    assert layout.is_left.all()
+    assert layout.is_present.all()
     np.testing.assert_array_equal(layout.boxes.half_m, before.half_m)

@@ -40,17 +40,17 @@ def test_stairs_follow_a_level_that_moves_turns_and_shrinks():
     assert layout.boxes.centre_m[stairs, :2] == pytest.approx([5.0 + 1.5 + 1.0, 2.0])
 
 
-@pytest.mark.parametrize(("shift_m", "is_left"), [(0.3, True), (0.7, False)])
-def test_stairs_that_lost_their_level_go(shift_m, is_left):
+@pytest.mark.parametrize(("shift_m", "is_present"), [(0.3, True), (0.7, False)])
+def test_stairs_that_lost_their_level_go(shift_m, is_present):
     layout = yard()
     landings = landings_of(layout)
     stairs = row_of(layout, STAIRS)
     layout.shift(stairs, np.array([-shift_m, 0.0, 0.0]))
     drop_lost(layout, landings)
-    assert layout.is_left[stairs] == is_left
+    assert layout.is_present[stairs] == is_present
 
 
 def test_stairs_that_never_led_anywhere_stay():
     layout = yard(x_m=-6.0)
     drop_lost(layout, landings_of(layout))
-    assert layout.is_left[row_of(layout, STAIRS)]
+    assert layout.is_present[row_of(layout, STAIRS)]

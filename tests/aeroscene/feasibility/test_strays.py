@@ -14,7 +14,7 @@ ROAD, LIGHT, WATER, BOAT = 20, 21, 22, 23
 def left_after(*things):
     layout = layout_of(garden(*things))
     drop_strays(layout)
-    return {obj.id for obj in layout.left()} & {each.id for each in things}
+    return {obj.id for obj in layout.remaining()} & {each.id for each in things}
 
 
 @pytest.mark.parametrize("yaw_rad", [0.0, 0.8])

@@ -50,5 +50,5 @@ def test_what_has_gone_neither_turns_nor_is_a_road():
         thing(CAR, "car", (0.0, 2.0, 0.8), (4.2, 1.8, 1.5)),
     )
     boxes = boxes_of(objects)
-    for is_left in ([True, False], [False, True]):
-        assert turns_with_traffic(objects, boxes, np.array(is_left)) == []
+    for is_present in ([True, False], [False, True]):
+        assert turns_with_traffic(objects, boxes, np.array(is_present)) == []
