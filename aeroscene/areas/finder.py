@@ -109,7 +109,7 @@ class AreaFinder:
         free = (
             near.cleared_from(outline, LEGS_M, LEDGE_GAP_M)
             if is_coarse
-            else near.taken_from(outline)
+            else near.subtracted_from(outline)
         )
         spot = FreeOutline(free, needs.surface_radius_m + _INNER_M).widest()
         if spot is None or (is_coarse and spot.radius_m > LEDGE_M):
@@ -156,7 +156,7 @@ class AreaFinder:
         self, face: Face, outline: BaseGeometry, near: Obstructions
     ) -> Iterator[Candidate]:
         least_m = NEEDS["small"].surface_radius_m + _INNER_M
-        free = FreeOutline(near.taken_from(outline), least_m)
+        free = FreeOutline(near.subtracted_from(outline), least_m)
         left: dict[DroneClass, int] = {
             name: min(MAX_OF_A_FACE[name], 1 + int(face.outline.area // share_m2))
             for name, share_m2 in SHARE_M2.items()

@@ -42,7 +42,7 @@ class Obstructions:
         keep = self.base_m < clearance_m
         return Obstructions(self.outlines[keep], self.base_m[keep], self.top_m[keep])
 
-    def taken_from(self, outline: BaseGeometry) -> BaseGeometry:
+    def subtracted_from(self, outline: BaseGeometry) -> BaseGeometry:
         """Return an outline without these solids."""
         return _without(outline, self.outlines)
 

@@ -103,7 +103,7 @@ class Claims:
         is_near = (b[:, 0] <= x1) & (b[:, 2] >= x0) & (b[:, 1] <= y1) & (b[:, 3] >= y0)
         return [self.shapes[k] for k in np.flatnonzero(is_near)]
 
-    def left_of(self, shape: BaseGeometry) -> BaseGeometry:
+    def unclaimed_part(self, shape: BaseGeometry) -> BaseGeometry:
         """Return the part of a shape that nobody has claimed.
 
         Args:

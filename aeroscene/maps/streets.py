@@ -51,7 +51,7 @@ def lay_streets(site: Site, features: Sequence[Feature]) -> None:
         features: Streets, as lines.
     """
     lines = list(_lines(features))
-    carriageway = site.ground.left_of(_carriageway(site, lines))
+    carriageway = site.ground.unclaimed_part(_carriageway(site, lines))
     site.carriageways.add(carriageway)
     n_at = _meetings(lines)
     shape = areal(shapely.intersection(carriageway, site.place.area, grid_size=GRID_M))
@@ -104,7 +104,7 @@ def lay_pavements(site: Site, features: Sequence[Feature], footways: Sequence[Fe
         return
     shape = shapely.intersection(shapely.union_all(strips), site.place.area)
     # Carriageways were claimed before, so only the rims of the strips are left.
-    shape = opened(site.ground.left_of(on_grid(shape)), 0.3)
+    shape = opened(site.ground.unclaimed_part(on_grid(shape)), 0.3)
     for piece in split(shape, _LEAST_PAVEMENT_M2):
         _lay(site, "sidewalk", shapely.set_precision(piece, GRID_M), KERB_M, None, {})
 

@@ -194,7 +194,7 @@ def lay_surfaces(site: Site, features: Sequence[Feature]) -> None:
     # Small areas before large ones of the same rank: a playground lies in its park.
     for kind, feature, shape in sorted(found, key=lambda each: (each[0].rank, each[2].area)):
         inside = shapely.intersection(shape, site.place.area)
-        left = site.ground.left_of(on_grid(inside))
+        left = site.ground.unclaimed_part(on_grid(inside))
         for piece in split(opened(left), _LEAST_M2):
             _lay(site, kind, feature, shapely.set_precision(piece, GRID_M))
 

@@ -82,7 +82,7 @@ class Campaign:
         self._folder = folder
         self._store = store
 
-    def left(self, trials: Iterable[Trial]) -> list[Trial]:
+    def remaining(self, trials: Iterable[Trial]) -> list[Trial]:
         """Return the trials among some that are not in the folder yet."""
         return [trial for trial in trials if trial.id not in self._store.done]
 

@@ -163,15 +163,15 @@ def run(cfg: CampaignCfg) -> int:
     else:
         print_summary(terminal(), summary)
         print(f"More: {shell('aeroscene', 'report', cfg.out)}")
-    return EXIT_NEGATIVE if _has_only_mishaps(summary) else EXIT_DONE
+    return EXIT_NEGATIVE if _has_only_failed_flights(summary) else EXIT_DONE
 
 
-def _has_only_mishaps(summary: Mapping[str, Any]) -> bool:
+def _has_only_failed_flights(summary: Mapping[str, Any]) -> bool:
     """Return true if the pilot or its process failed in every trial, so that none is scored."""
     from scenarios.campaigns.flyer import NoFlightCode
 
-    mishaps = {NoFlightCode.RAISED.value, NoFlightCode.HUNG.value, NoFlightCode.DIED.value}
-    return bool(summary["codes"]) and mishaps.issuperset(summary["codes"])
+    failed_flights = {NoFlightCode.RAISED.value, NoFlightCode.HUNG.value, NoFlightCode.DIED.value}
+    return bool(summary["codes"]) and failed_flights.issuperset(summary["codes"])
 
 
 def _fly(cfg: CampaignCfg) -> dict[str, Any]:
@@ -181,15 +181,15 @@ def _fly(cfg: CampaignCfg) -> dict[str, Any]:
 
     trials, suite = _trials(cfg), _suite(cfg)
     with open_campaign(cfg.out, suite) as campaign:
-        left = campaign.left(trials)
-        sys.stderr.write(f"{_PROG}: {len(left)} of {len(trials)} trials to fly\n")
+        remaining = campaign.remaining(trials)
+        sys.stderr.write(f"{_PROG}: {len(remaining)} of {len(trials)} trials to fly\n")
         # The rate that the bar shows is of the whole campaign, earlier runs of it included.
         known = read_results(cfg.out, ["success"])["success"].to_pylist()
         news = CampaignProgress(
-            cfg.out, len(left), known, has_bar=terminal(stderr=True).is_terminal
+            cfg.out, len(remaining), known, has_bar=terminal(stderr=True).is_terminal
         )
-        with _engine(cfg, suite) as engine, progress_bar("", len(left), "trials") as advance:
-            rows = campaign.fly(left, engine, workers=cfg.workers, patience_s=cfg.patience)
+        with _engine(cfg, suite) as engine, progress_bar("", len(remaining), "trials") as advance:
+            rows = campaign.fly(remaining, engine, workers=cfg.workers, patience_s=cfg.patience)
             for row in rows:
                 news.add(row, advance)
         return campaign.summary()
@@ -208,22 +208,24 @@ def _plan(cfg: CampaignCfg) -> int:
     has_any = (cfg.out / JOURNAL).is_file()
     table = read_results(cfg.out) if has_any else SCHEMA.empty_table()
     done = set(table["trial_id"].to_pylist())
-    left = [trial for trial in trials if trial.id not in done]
+    remaining = [trial for trial in trials if trial.id not in done]
     costs = measured_costs(table)
     # Without a flown trial there is no measured cost, and so no forecast.
-    takes = forecast(left, costs, cfg.workers) if left and costs else None
+    takes = forecast(remaining, costs, cfg.workers) if remaining and costs else None
     if cfg.json:
         facts = {} if takes is None else asdict(takes)
-        print_json({"trials": len(trials), "to_fly": len(left), "workers": cfg.workers, **facts})
+        print_json(
+            {"trials": len(trials), "to_fly": len(remaining), "workers": cfg.workers, **facts}
+        )
         return EXIT_DONE
-    print(f"{len(left)} of {len(trials)} trials to fly")
+    print(f"{len(remaining)} of {len(trials)} trials to fly")
     if takes is not None:
         wall = timedelta(seconds=round(takes.wall_seconds))
         print(
             f"{wall} h on {cfg.workers} workers with a core each: "
             f"{takes.cpu_seconds / 3600:.1f} core hours, {takes.share_at_work:.1%} at work"
         )
-    elif left:
+    elif remaining:
         print(f"How long that takes can be told when some trials have been flown in {cfg.out}")
     return EXIT_DONE
 

@@ -98,7 +98,7 @@ class Viewer:
 
     def wait(self) -> None:
         """Block until the user closes the window, or the page after having opened it."""
-        while not self._process.has_ended(_LOOK_S) and not (self._page and self._page.is_left):
+        while not self._process.has_ended(_LOOK_S) and not (self._page and self._page.was_closed):
             pass
 
     def close(self) -> None:

@@ -71,7 +71,7 @@ class PageServer:
         self._thread.start()
 
     @property
-    def is_left(self) -> bool:
+    def was_closed(self) -> bool:
         """True if the page was open in some browser, and is not open in any now."""
         left_s = self._last_left_s
         return not self._readers and left_s is not None and time.monotonic() > left_s + _RELOAD_S

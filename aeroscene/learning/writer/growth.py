@@ -40,9 +40,9 @@ class Element:
     shape: int = 0
     children: list[int] = field(default_factory=list)
     """Kinds of its children so far."""
-    n_given: int = 0
+    n_given_children: int = 0
     """Number of children that a mark's coarse token had before."""
-    left: tuple[int, int] = (0, 0)
+    remaining: tuple[int, int] = (0, 0)
     """Coarse and fine objects that are still wished for, after this element."""
 
 
@@ -61,7 +61,7 @@ class Growth:
 
     def __init__(self, syntax: Syntax, scene_kind: int, wish: Wish) -> None:
         self._syntax = syntax
-        self._left = [wish.n_coarse, wish.n_fine]
+        self._remaining = [wish.n_coarse, wish.n_fine]
         self.kinds: list[int] = [scene_kind]
         self.parents: list[int] = [0]
         self.choices: list[Choice] = [Choice(scene_kind)]
@@ -84,7 +84,7 @@ class Growth:
         self.path = [0]
 
     def _put(self, element: Element) -> int:
-        element.left = self._left[0], self._left[1]
+        element.remaining = self._remaining[0], self._remaining[1]
         self.elements.append(element)
         if not element.is_mark:
             self._of_token.append(len(self.elements) - 1)
@@ -114,7 +114,7 @@ class Growth:
         self.choices.append(choice)
         shape = syntax.vocabulary.shapes[choice.shape]
         count = count_objects(syntax.vocabulary.kinds[choice.kind], shape)
-        self._left[self.is_fine] -= count
+        self._remaining[self.is_fine] -= count
         self.has_start |= bool(syntax.is_start[choice.kind])
         self._count_as_last(choice.kind)
         element = Element(
@@ -170,7 +170,7 @@ class Growth:
         mark = Element(token, self.kinds[token], own, 0, 0, is_mark=True)
         # The mark continues the coarse token, whose coarse children count as its first children.
         mark.children = list(self.elements[own].children)
-        mark.n_given = len(mark.children)
+        mark.n_given_children = len(mark.children)
         self.path = [self._put(mark)]
 
     def allowed_depths(self) -> Bool[np.ndarray, " depths"]:

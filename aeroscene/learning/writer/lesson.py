@@ -64,7 +64,7 @@ def seen_of(growth: Growth, element: Element) -> list[int]:
     Returns:
         Twelve numbers, as `Lesson.seen`; counts are not in classes yet.
     """
-    coarse, fine = element.left
+    coarse, fine = element.remaining
     return [
         element.kind,
         growth.elements[element.parent].kind,
@@ -120,7 +120,7 @@ def lesson_of(growth: Growth, said: Sequence[tuple[int, Choice | None]], wish: W
     n_siblings = np.zeros(n, dtype=np.int64)
     path: list[int] = [0]
     # Children are counted anew: at each element only those before it are known.
-    children = [each.children[: each.n_given] for each in elements]
+    children = [each.children[: each.n_given_children] for each in elements]
     for i, each in enumerate(elements):
         if each.is_mark:
             path = [i]

@@ -360,5 +360,5 @@ def test_what_is_seen_edge_on_takes_nothing_from_a_face():
     edge_on = shapely.LineString([(1, 1), (3, 1)])
     crate = shapely.box(2, 2, 3, 3)
     taken = Obstructions(np.array([edge_on, crate]), np.zeros(2), np.ones(2))
-    assert taken.taken_from(outline).area == pytest.approx(15.0)
+    assert taken.subtracted_from(outline).area == pytest.approx(15.0)
     assert taken.cleared_from(outline, 0.5, 0.1).area < 15.0

@@ -27,16 +27,16 @@ def _outlines(seed: int) -> list[shapely.Polygon]:
 @given(st.integers(0, 10_000))
 def test_what_is_left_is_what_no_outline_covers(seed):
     outlines = _outlines(seed)
-    left = _obstructions(outlines).taken_from(FACE)
+    left = _obstructions(outlines).subtracted_from(FACE)
     expected = shapely.difference(FACE, shapely.union_all(outlines))
     assert shapely.symmetric_difference(left, expected).area == pytest.approx(0, abs=1e-4)
 
 
 def test_nothing_is_left_below_a_roof():
     roof, table = shapely.box(-1, -1, 11, 9), shapely.box(2, 2, 3, 3)
-    assert _obstructions([table, roof]).taken_from(FACE).is_empty
+    assert _obstructions([table, roof]).subtracted_from(FACE).is_empty
 
 
 def test_what_stands_elsewhere_takes_nothing():
-    left = _obstructions([shapely.box(20, 0, 22, 2)]).taken_from(FACE)
+    left = _obstructions([shapely.box(20, 0, 22, 2)]).subtracted_from(FACE)
     assert left.equals(FACE)

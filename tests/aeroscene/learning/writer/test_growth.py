@@ -82,8 +82,8 @@ def test_the_first_of_its_kind_is_never_as_large_as_the_last_one(corpus, languag
 def test_objects_left_count_down_to_what_was_wished_for(corpus, language):
     encoded, wish = corpus[0][0], corpus[1][0]
     growth, _ = replay(language.syntax, encoded.program, wish)
-    assert growth.elements[0].left == (wish.n_coarse, wish.n_fine)
-    assert growth.latest.left[1] == 0
-    before = growth.elements[3].left
+    assert growth.elements[0].remaining == (wish.n_coarse, wish.n_fine)
+    assert growth.latest.remaining[1] == 0
+    before = growth.elements[3].remaining
     growth.add(1, Choice(growth.kinds[-1]))
-    assert before != growth.latest.left
+    assert before != growth.latest.remaining
