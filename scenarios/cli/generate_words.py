@@ -15,7 +15,7 @@ from scenarios.cli.terminal import styled, terminal
 
 if TYPE_CHECKING:
     from scenarios.generation.draws import Tally
-    from scenarios.generation.wish_outcomes import Got
+    from scenarios.generation.wish_outcomes import WishOutcome
 
 _PROG = "aeroscene generate"
 _MOST_ROWS = 20
@@ -78,7 +78,7 @@ def _facts(device: str, tally: Tally) -> dict[str, Any]:
     return facts | ({"measured": tally.measured} if tally.measured else {})
 
 
-def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]], again: str = _AGAIN) -> None:
+def _print_wishes(all_wishes: Mapping[str, Mapping[str, WishOutcome]], again: str = _AGAIN) -> None:
     """Print a table of the figures of each scene below the wishes.
 
     Args:
@@ -99,24 +99,26 @@ def _print_wishes(all_wishes: Mapping[str, Mapping[str, Got]], again: str = _AGA
         )
 
 
-def _by_scene(all_wishes: Mapping[str, Mapping[str, Got]], files: Sequence[str]) -> Table:
+def _by_scene(all_wishes: Mapping[str, Mapping[str, WishOutcome]], files: Sequence[str]) -> Table:
     """Return a table with a row for each scene."""
     first = all_wishes[files[0]]
     table = Table("", *map(_titled, first))
-    table.add_row("asked for", *(str(wish.asked) for wish in first.values()))
+    table.add_row("asked for", *(str(wish.requested) for wish in first.values()))
     table.add_section()
     for file in files:
         table.add_row(Path(file).name, *map(_cell, all_wishes[file].values()))
     return table
 
 
-def _by_wish(all_wishes: Mapping[str, Mapping[str, Got]], files: Sequence[str]) -> Table:
+def _by_wish(all_wishes: Mapping[str, Mapping[str, WishOutcome]], files: Sequence[str]) -> Table:
     """Return a table with a row for each wish, for more wishes than a terminal has columns."""
     table = Table("", "asked for", *(Path(file).stem for file in files), "met in")
     for name, wish in all_wishes[files[0]].items():
         n_met = sum(wishes[name].is_met for wishes in all_wishes.values())
-        got = (_cell(all_wishes[file][name]) for file in files)
-        table.add_row(_titled(name), str(wish.asked), *got, f"{n_met} of {len(all_wishes)}")
+        measured = (_cell(all_wishes[file][name]) for file in files)
+        table.add_row(
+            _titled(name), str(wish.requested), *measured, f"{n_met} of {len(all_wishes)}"
+        )
     return table
 
 
@@ -124,12 +126,12 @@ def _titled(name: str) -> str:
     return f"{name}, {_UNITS[name]}" if name in _UNITS else name
 
 
-def _cell(wish: Got) -> Text:
-    got = "none" if wish.got is None else str(wish.got)
-    return styled(got) if wish.is_met else styled((f"{got} {_MISSED}", "bold red"))
+def _cell(wish: WishOutcome) -> Text:
+    measured = "none" if wish.measured is None else str(wish.measured)
+    return styled(measured) if wish.is_met else styled((f"{measured} {_MISSED}", "bold red"))
 
 
-def _missed(all_wishes: Mapping[str, Mapping[str, Got]]) -> list[str]:
+def _missed(all_wishes: Mapping[str, Mapping[str, WishOutcome]]) -> list[str]:
     """Return the files of the scenes that miss a wish."""
     return sorted(
         file

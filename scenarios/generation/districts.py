@@ -16,7 +16,7 @@ from aeroscene.learning.wishes import OBJECTS, OUTLINE_M
 from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.catalogue import BUILDINGS, ROOMS
 from scenarios.generation.text_options import GenerateError
-from scenarios.generation.wish_outcomes import Got
+from scenarios.generation.wish_outcomes import WishOutcome
 
 if TYPE_CHECKING:
     from scenarios.generation.draws import Tally
@@ -127,13 +127,13 @@ def make_districts(
         advance()
 
 
-def beside_district(scene: Scene) -> dict[str, Got]:
+def beside_district(scene: Scene) -> dict[str, WishOutcome]:
     """Return each wish for a district beside the figure that the district has.
 
     Args:
         scene: District, whose document names the wishes.
     """
-    got: dict[str, AttributeValue] = {
+    measured: dict[str, AttributeValue] = {
         "outline": "{:g},{:g}".format(*_sides_m(scene)),
         "objects": len(scene.objects),
         "houses": sum(obj.category in BUILDINGS for obj in scene.objects),
@@ -141,17 +141,21 @@ def beside_district(scene: Scene) -> dict[str, Got]:
         "areas": len(scene.landing_areas),
     }
     return {
-        name: Got(asked, got[name], _is_met(name, asked, got[name]))
-        for name, asked in scene.wishes.items()
+        name: WishOutcome(requested, measured[name], _is_met(name, requested, measured[name]))
+        for name, requested in scene.wishes.items()
     }
 
 
-def _is_met(name: str, asked: AttributeValue, got: AttributeValue) -> bool:
-    if not isinstance(asked, (int, float)) or not isinstance(got, (int, float)):
-        return asked == got
+def _is_met(name: str, requested: AttributeValue, measured: AttributeValue) -> bool:
+    if not isinstance(requested, (int, float)) or not isinstance(measured, (int, float)):
+        return requested == measured
     if name == "areas":
-        return got <= asked  # a limit: how many areas there are follows from the geometry
-    return got == asked if name == "storeys" else math.isclose(got, asked, rel_tol=_SHARE)
+        return measured <= requested  # a limit: how many areas there are follows from the geometry
+    return (
+        measured == requested
+        if name == "storeys"
+        else math.isclose(measured, requested, rel_tol=_SHARE)
+    )
 
 
 def _storeys(scene: Scene) -> int:

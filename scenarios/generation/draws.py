@@ -23,7 +23,7 @@ from aeroscene.scene import AttributeValue, Scene
 from aeroscene.scene.io import write_scene
 from scenarios.generation.prompts.wishes import Count
 from scenarios.generation.wish_outcomes import (
-    Got,
+    WishOutcome,
     beside_demands,
     beside_wishes,
     shortfall,
@@ -128,7 +128,7 @@ class _SetAside(NamedTuple):
 
     shortfall: tuple[int, float]
     scene: Scene
-    wishes: dict[str, Got]
+    wishes: dict[str, WishOutcome]
 
 
 @dataclass
@@ -148,7 +148,7 @@ class Tally:
     """Prompt of the user; if there is one, a seed is drawn until it meets all wishes."""
     demands: Sequence[Count] = ()
     """Counts and relations of the prompt."""
-    wishes: dict[str, dict[str, Got]] = field(default_factory=dict)
+    wishes: dict[str, dict[str, WishOutcome]] = field(default_factory=dict)
     """Each wish beside the figure of the scene, for the scenes that are kept, by file."""
     measured: dict[str, dict[str, AttributeValue]] = field(default_factory=dict)
     """Measured figures of the scenes that are kept, by file."""
@@ -218,12 +218,12 @@ class Tally:
         best = self._aside.get(seed)
         return None if best is None else best.scene
 
-    def _set_aside(self, scene: Scene, wishes: dict[str, Got]) -> None:
+    def _set_aside(self, scene: Scene, wishes: dict[str, WishOutcome]) -> None:
         before, now = self._aside.get(scene.seed), shortfall(wishes)
         if before is None or now < before.shortfall:
             self._aside[scene.seed] = _SetAside(now, scene, wishes)
 
-    def write(self, scene: Scene, wishes: dict[str, Got]) -> None:
+    def write(self, scene: Scene, wishes: dict[str, WishOutcome]) -> None:
         """Write a scene that is kept.
 
         Args:

@@ -87,7 +87,7 @@ def test_a_draw_that_meets_more_wishes_is_better_than_one_that_is_nearer(park, t
     scenes = [with_benches(park, n) for n in (4, 3, 0, 0)]
     demands = [Count("bench", 5), Count("boat", 0, 0)]
     tally, _ = drawn(tmp_path, *scenes, demands=demands)
-    assert next(iter(tally.wishes.values()))["bench"].got == 4
+    assert next(iter(tally.wishes.values()))["bench"].measured == 4
 
 
 def test_with_strict_a_seed_that_never_meets_it_is_named(park, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 from aeroscene.corpus.shipped import read_shipped
 from aeroscene.learning.generation import AreaCounts, Request
 from scenarios.cli.generate_words import _missed, _print_wishes
-from scenarios.generation.wish_outcomes import Got, beside_wishes, unmet, with_measures
+from scenarios.generation.wish_outcomes import WishOutcome, beside_wishes, unmet, with_measures
 
 
 @pytest.fixture(scope="module")
@@ -38,13 +38,13 @@ def test_each_side_of_the_outline_may_be_missed_by_a_tenth(park):
     assert got(park, outline_m=(1.05 * east_m, 0.95 * north_m))["outline"].is_met
     missed = got(park, outline_m=(east_m, 0.8 * north_m))["outline"]
     assert not missed.is_met
-    assert missed.got == f"{east_m:.1f},{north_m:.1f}"
+    assert missed.measured == f"{east_m:.1f},{north_m:.1f}"
 
 
 def test_areas_are_bounded_from_above_and_themes_are_compared(park):
     n = len(park.landing_areas)
     found = got(park, n_areas=n, theme="office")
-    assert (found["areas"].got, found["areas"].is_met) == (n, True)
+    assert (found["areas"].measured, found["areas"].is_met) == (n, True)
     assert not found["theme"].is_met
     n_small = sum(area.drone_class == "small" for area in park.landing_areas)
     few = got(park, n_areas=AreaCounts(small=max(0, n_small - 1), large=200))
@@ -57,18 +57,18 @@ def test_density_and_clutter_are_the_factors_that_have_come_out(park):
     n_fine = sum(not obj.is_coarse for obj in park.objects)
     # Told to draw twice the usual number, the model drew half of that.
     found = got(park, density=2.0, wish=SimpleNamespace(n_fine=2 * n_fine))["density"]
-    assert (found.got, found.is_met) == (1.0, False)
+    assert (found.measured, found.is_met) == (1.0, False)
     found = got(park, density=0.5, wish=SimpleNamespace(n_fine=n_fine))["density"]
-    assert (found.got, found.is_met) == (0.5, True)
+    assert (found.measured, found.is_met) == (0.5, True)
     # Nothing was added to what had been drawn.
     found = got(park, clutter=3.0)["clutter"]
-    assert (found.got, found.is_met) == (1.0, False)
+    assert (found.measured, found.is_met) == (1.0, False)
 
 
 def test_passages_that_are_measured_are_compared(park):
     for width_m, ok in ((1.2, True), (1.195, True), (1.1, False)):
         found = got(park, min_passage_m=1.2, measured={"min_passage": width_m})["min_passage"]
-        assert (found.got, found.is_met) == (width_m, ok)
+        assert (found.measured, found.is_met) == (width_m, ok)
     assert got(park, min_passage_m=1.2)["min_passage"].is_met
 
 
@@ -96,7 +96,7 @@ def test_many_wishes_have_a_row_each(park, capsys):
     n = len(park.objects)
     met = got(park, n_objects=n, theme=park.theme)
     missed = got(park, n_objects=20, theme=park.theme)
-    more = {f"thing {k}": Got("at least 3", k, k >= 3) for k in range(5)}
+    more = {f"thing {k}": WishOutcome("at least 3", k, k >= 3) for k in range(5)}
     _print_wishes({f"out/aeroscene-000{k}.json": (missed if k else met) | more for k in range(5)})
     text = " ".join(capsys.readouterr().out.split())
     assert "┃ asked for ┃ aeroscene-0000 ┃ aeroscene-0001 ┃ met in ┃" in text
