@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from autonomy.perception.depth_image import DepthImage
-from autonomy.perception.match import Found, Match, determined, no_match, viewed
+from autonomy.perception.match import Match, RegistrationResult, determined, no_match, viewed
 from autonomy.perception.registration import View, appraise, register, scan
 from autonomy.perception.solid_index import index_solids
 from autonomy.planning.obstacles import Obstacles
@@ -93,16 +93,18 @@ class MapMatcher:
                 places.append(found.x)
         return places[:_N_PLACES]
 
-    def _settled(self, view: View, starts: list[np.ndarray], widths: np.ndarray) -> list[Found]:
+    def _settled(
+        self, view: View, starts: list[np.ndarray], widths: np.ndarray
+    ) -> list[RegistrationResult]:
         """Results of registrations from several starts, the best first."""
         return sorted((self._settle(view, s, widths) for s in starts), key=lambda f: f.cost)
 
-    def _settle(self, view: View, start: np.ndarray, widths: np.ndarray) -> Found:
+    def _settle(self, view: View, start: np.ndarray, widths: np.ndarray) -> RegistrationResult:
         """Register from a start, and appraise the result."""
         x = register(view, start, widths, self._grid)
         cost, share, residual_m, information, support = appraise(view, x, self._grid)
         away = x - view.prior
-        return Found(
+        return RegistrationResult(
             x=x,
             # Half the prior's Mahalanobis distance: the same unit as the points' cost.
             cost=cost + 0.5 * float(away @ view.information @ away),
@@ -122,7 +124,7 @@ def _thinned(view: View) -> View:
     )
 
 
-def _rival(found: list[Found]) -> Found | None:
+def _rival(found: list[RegistrationResult]) -> RegistrationResult | None:
     """Another place that fits about as well as the best, but lies outside its uncertainty."""
     best = found[0]
     for other in found[1:]:

@@ -62,7 +62,7 @@ class Matcher(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Found:
+class RegistrationResult:
     """Result of one registration."""
 
     x: Float[np.ndarray, " 4"]
@@ -101,7 +101,7 @@ def viewed(
     )
 
 
-def determined(view: View, best: Found) -> Match:
+def determined(view: View, best: RegistrationResult) -> Match:
     """Match with the directions that enough points support: measured values and variances."""
     counts, axes = np.linalg.eigh(best.support * N_POINTS / len(view.points))
     columns = [np.append(axes[:, k], 0.0) for k in range(3) if counts[k] >= _LEAST_SUPPORT]
@@ -129,7 +129,7 @@ def determined(view: View, best: Found) -> Match:
     )
 
 
-def no_match(objection: str, best: Found | None = None) -> Match:
+def no_match(objection: str, best: RegistrationResult | None = None) -> Match:
     """Match that determines nothing, with the reason and the best place that was found."""
     return Match(
         objection=objection,

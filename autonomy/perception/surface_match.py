@@ -14,7 +14,7 @@ from jaxtyping import Float
 
 from autonomy.jit import kernel
 from autonomy.perception.depth_image import DepthImage
-from autonomy.perception.match import Found, Match, determined, no_match, viewed
+from autonomy.perception.match import Match, RegistrationResult, determined, no_match, viewed
 from autonomy.perception.point_spread import sample_points
 from autonomy.perception.registration import INLIER_SIGMAS, View
 from autonomy.perception.seen_surfaces import Surfaces, add_points, no_surfaces, plane_at
@@ -61,7 +61,7 @@ class SurfaceMatcher:
             return no_match(
                 f"{n_known} points lie where surfaces are known; wanted: {_LEAST_KNOWN}"
             )
-        found = Found(
+        found = RegistrationResult(
             x=fitted,
             cost=cost,
             inlier_share=share,

@@ -26,11 +26,11 @@ def numbers_of(scene: Scene, demands: Sequence[Count]) -> Iterator[tuple[Count, 
 
 
 def _number(finder: Finder, demand: Count) -> int:
-    subjects = finder.found(demand.thing)
+    subjects = finder.instances(demand.thing)
     if not isinstance(demand, Relation):
         return len(subjects)
-    hosts = finder.found(demand.host)
+    hosts = finder.instances(demand.host)
     if demand.relation == "between":
-        return int(between(subjects, hosts, finder.found(demand.other or demand.host)).sum())
+        return int(between(subjects, hosts, finder.instances(demand.other or demand.host)).sum())
     # A subject counts once, however many hosts it stands in the relation to.
     return int(np.any(holds(demand.relation, subjects, hosts), axis=1).sum())

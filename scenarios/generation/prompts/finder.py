@@ -20,7 +20,7 @@ from aeroscene.metrics.places.top_view import TopView, near_pairs
 from aeroscene.scene import Scene
 from aeroscene.scene.catalogue import ROOMS, by_name
 from aeroscene.scene.rooms import NO_ROOM, tile_groups
-from scenarios.generation.prompts.instances import Found
+from scenarios.generation.prompts.instances import Instances
 from scenarios.generation.prompts.relations import holds, within
 from scenarios.generation.prompts.vocabulary import Part, Thing, things
 
@@ -33,14 +33,14 @@ class Finder:
     """Finds things in one scene, and keeps the result of each name."""
 
     scene: Scene
-    _found: dict[str, Found] = field(default_factory=dict)
+    _instances: dict[str, Instances] = field(default_factory=dict)
 
     @cached_property
     def view(self) -> TopView:
         """Outlines and heights of the scene's objects, seen from above."""
         return TopView(self.scene)
 
-    def found(self, name: str) -> Found:
+    def instances(self, name: str) -> Instances:
         """Return all things of a name.
 
         Args:
@@ -49,17 +49,17 @@ class Finder:
         Raises:
             KeyError: If the vocabulary has no such name.
         """
-        if name not in self._found:
-            self._found[name] = self._find(name, things()[name])
-        return self._found[name]
+        if name not in self._instances:
+            self._instances[name] = self._find(name, things()[name])
+        return self._instances[name]
 
-    def _find(self, name: str, thing: Thing) -> Found:
+    def _find(self, name: str, thing: Thing) -> Instances:
         if thing.hearts:
-            hearts = [rows for heart in thing.hearts for rows in self.found(heart).rows]
+            hearts = [rows for heart in thing.hearts for rows in self.instances(heart).rows]
             # An object that is the heart by two names counts once.
-            found = Found(self.view, tuple(dict.fromkeys(hearts)))
+            found = Instances(self.view, tuple(dict.fromkeys(hearts)))
         else:
-            found = Found(self.view, self._of_category(name))
+            found = Instances(self.view, self._of_category(name))
         found = found.chosen(
             np.array([self._is_such(rows[0], thing) for rows in found.rows], dtype=bool)
         )
@@ -93,9 +93,9 @@ class Finder:
         short_m, long_m = sorted(obj.bbox.s[:2])
         return long_m >= max(thing.long * short_m, thing.least_m)
 
-    def _has(self, found: Found, part: Part) -> Bool[np.ndarray, " n"]:
+    def _has(self, found: Instances, part: Part) -> Bool[np.ndarray, " n"]:
         """Return, for each heart, true if enough of a part stand about it."""
-        parts = self.found(part.thing)
+        parts = self.instances(part.thing)
         if part.relation is None:
             table = within(parts, found, part.within_m)
         else:
@@ -103,7 +103,7 @@ class Finder:
         return table.sum(axis=0) >= part.least
 
 
-def _clusters(found: Found, apart_m: float, least: int) -> Found:
+def _clusters(found: Instances, apart_m: float, least: int) -> Instances:
     """Return groups of at least `least` things that are linked by gaps of at most `apart_m`."""
     if not len(found):
         return found
@@ -118,4 +118,4 @@ def _clusters(found: Found, apart_m: float, least: int) -> Found:
         for g in range(n_groups)
         if (group == g).sum() >= least
     ]
-    return Found(found.view, tuple(rows))
+    return Instances(found.view, tuple(rows))

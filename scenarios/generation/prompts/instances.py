@@ -16,7 +16,7 @@ from aeroscene.relations.hosts import level_m
 
 
 @dataclass(frozen=True)
-class Found:
+class Instances:
     """Things of one name in a scene, one row each."""
 
     view: TopView
@@ -73,18 +73,18 @@ class Found:
     def _each(self, values: np.ndarray, choose: Callable[[Sequence[float]], float]) -> np.ndarray:
         return np.array([choose([values[row] for row in rows]) for rows in self.rows], dtype=float)
 
-    def chosen(self, keep: Bool[np.ndarray, " n"]) -> Found:
+    def chosen(self, keep: Bool[np.ndarray, " n"]) -> Instances:
         """Return the things that a mask keeps.
 
         Args:
             keep: True for each thing to keep.
         """
-        return Found(
+        return Instances(
             self.view, tuple(r for r, is_kept in zip(self.rows, keep, strict=True) if is_kept)
         )
 
 
-def is_borne_by(things_: Found, hosts: Found) -> Bool[np.ndarray, "n k"]:
+def is_borne_by(things_: Instances, hosts: Instances) -> Bool[np.ndarray, "n k"]:
     """Return a table that is true if the parent of a thing is an object of a host.
 
     Args:

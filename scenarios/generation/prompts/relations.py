@@ -27,7 +27,7 @@ import shapely
 from jaxtyping import Bool, Float
 
 from aeroscene.scene.catalogue import GROUND, SHELLS
-from scenarios.generation.prompts.instances import Found, is_borne_by
+from scenarios.generation.prompts.instances import Instances, is_borne_by
 from scenarios.generation.prompts.wishes import RelationName
 
 _WITHIN_M = {
@@ -54,7 +54,7 @@ _COS_FACING = np.cos(np.pi / 4)
 _Table = Bool[np.ndarray, "n k"]
 
 
-def holds(relation: RelationName, subjects: Found, hosts: Found) -> _Table:
+def holds(relation: RelationName, subjects: Instances, hosts: Instances) -> _Table:
     """Return a table that is true if a subject stands in a relation to a host.
 
     Nothing stands in a relation to itself, nor to a thing that shares an object with it.
@@ -70,7 +70,7 @@ def holds(relation: RelationName, subjects: Found, hosts: Found) -> _Table:
     return table & ~_is_same(subjects, hosts)
 
 
-def within(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def within(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     """Return a table that is true if a subject is near a host at its level, or beneath it.
 
     Args:
@@ -83,7 +83,7 @@ def within(subjects: Found, hosts: Found, within_m: float) -> _Table:
     return _is_near(subjects, hosts, within_m) & ~_is_same(subjects, hosts)
 
 
-def between(subjects: Found, hosts: Found, others: Found) -> Bool[np.ndarray, " n"]:
+def between(subjects: Instances, hosts: Instances, others: Instances) -> Bool[np.ndarray, " n"]:
     """Return, for each subject, true if it is between a host and another one.
 
     Args:
@@ -106,30 +106,30 @@ def between(subjects: Found, hosts: Found, others: Found) -> Bool[np.ndarray, " 
     return found
 
 
-def _on(subjects: Found, hosts: Found, _within_m: float) -> _Table:
+def _on(subjects: Instances, hosts: Instances, _within_m: float) -> _Table:
     at_top = np.abs(subjects.base_m[:, None] - hosts.level_m) <= _ON_M
     is_on = _is_over(subjects, hosts) & (at_top | is_borne_by(subjects, hosts))
     # "On" a building means on its roof. Its children do not count, since they may be its rooms.
     return np.where(_is_of(hosts, SHELLS), _on_roof(subjects, hosts, 0.0), is_on)
 
 
-def _over(subjects: Found, hosts: Found, _within_m: float) -> _Table:
+def _over(subjects: Instances, hosts: Instances, _within_m: float) -> _Table:
     overlap = shapely.intersects(subjects.outline[:, None], hosts.outline[None])
     return overlap & (subjects.top_m[:, None] >= hosts.top_m + _LEVEL_M)
 
 
-def _on_roof(subjects: Found, hosts: Found, _within_m: float) -> _Table:
+def _on_roof(subjects: Instances, hosts: Instances, _within_m: float) -> _Table:
     return _is_over(subjects, hosts) & (subjects.base_m[:, None] >= hosts.top_m - 1.0)
 
 
-def _under(subjects: Found, hosts: Found, _within_m: float) -> _Table:
+def _under(subjects: Instances, hosts: Instances, _within_m: float) -> _Table:
     # 5 cm of tolerance, for a subject that is as high as its host.
     is_lower = subjects.top_m[:, None] <= hosts.top_m + 0.05
     is_below = subjects.base_m[:, None] <= hosts.top_m - _UNDER_M
     return _is_over(subjects, hosts) & is_lower & is_below & ~_is_of(hosts, SHELLS)
 
 
-def _inside(subjects: Found, hosts: Found, _within_m: float) -> _Table:
+def _inside(subjects: Instances, hosts: Instances, _within_m: float) -> _Table:
     is_high = subjects.base_m[:, None] >= hosts.base_m - _UNDER_M
     is_low = subjects.top_m[:, None] <= hosts.top_m + _UNDER_M
     is_held = _is_over(subjects, hosts) & is_high & is_low
@@ -137,19 +137,19 @@ def _inside(subjects: Found, hosts: Found, _within_m: float) -> _Table:
     return np.where(_is_of(hosts, GROUND), _on(subjects, hosts, 0.0), is_held)
 
 
-def _next_to(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def _next_to(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     return _is_near(subjects, hosts, within_m) & ~_is_over(subjects, hosts)
 
 
-def _in_front_of(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def _in_front_of(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     return _is_off_side(subjects, hosts, within_m, 1.0)
 
 
-def _behind(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def _behind(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     return _is_off_side(subjects, hosts, within_m, -1.0)
 
 
-def _facing(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def _facing(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     to_host = shapely.get_coordinates(
         shapely.shortest_line(subjects.centre[:, None], hosts.outline[None])
     ).reshape(len(subjects), len(hosts), 2, 2)
@@ -161,7 +161,7 @@ def _facing(subjects: Found, hosts: Found, within_m: float) -> _Table:
     return (along_m >= _COS_FACING * far_m) & _next_to(subjects, hosts, within_m)
 
 
-def _along(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def _along(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     table = _is_near(subjects, hosts, within_m)
     along, across = _own_axes(subjects, hosts)
     half_m = hosts.view.arrays.size_m[hosts.first, :2] / 2
@@ -175,7 +175,7 @@ def _along(subjects: Found, hosts: Found, within_m: float) -> _Table:
     return table
 
 
-def _around(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def _around(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     table = _next_to(subjects, hosts, within_m)
     along, across = _own_axes(subjects, hosts)
     # Quarters of the circle about the host's own axes: 0 front, 1 left, 2 back, 3 right.
@@ -201,12 +201,12 @@ _JUDGES = {
 }
 
 
-def _is_over(subjects: Found, hosts: Found) -> _Table:
+def _is_over(subjects: Instances, hosts: Instances) -> _Table:
     """Return a table that is true if the middle of a subject is in the outline of a host."""
     return shapely.covers(hosts.outline[None], subjects.centre[:, None])
 
 
-def _is_near(subjects: Found, hosts: Found, within_m: float) -> _Table:
+def _is_near(subjects: Instances, hosts: Instances, within_m: float) -> _Table:
     """Return a table that is true if outlines are near, and the things are at one level."""
     # The heights that both share; negative is the gap between them.
     low_m = np.maximum(subjects.base_m[:, None], hosts.base_m)
@@ -215,7 +215,7 @@ def _is_near(subjects: Found, hosts: Found, within_m: float) -> _Table:
     return (apart_m <= within_m) & (high_m - low_m >= -_LEVEL_M)
 
 
-def _is_off_side(subjects: Found, hosts: Found, within_m: float, sign: float) -> _Table:
+def _is_off_side(subjects: Instances, hosts: Instances, within_m: float, sign: float) -> _Table:
     """Return a table of subjects off the front of hosts, or off the back for a negative sign."""
     along, across = _own_axes(subjects, hosts)
     half_m = hosts.view.arrays.size_m[hosts.first, :2] / 2
@@ -225,7 +225,7 @@ def _is_off_side(subjects: Found, hosts: Found, within_m: float, sign: float) ->
 
 
 def _own_axes(
-    subjects: Found, hosts: Found
+    subjects: Instances, hosts: Instances
 ) -> tuple[Float[np.ndarray, "n k"], Float[np.ndarray, "n k"]]:
     """Return the middles of subjects, in m, on the x and y axes of each host's first box."""
     view, rows = hosts.view, hosts.first
@@ -236,12 +236,12 @@ def _own_axes(
     )
 
 
-def _is_of(hosts: Found, categories: frozenset[str]) -> Bool[np.ndarray, " k"]:
+def _is_of(hosts: Instances, categories: frozenset[str]) -> Bool[np.ndarray, " k"]:
     objects = hosts.view.scene.objects
     return np.array([objects[row].category in categories for row in hosts.first], dtype=bool)
 
 
-def _is_same(subjects: Found, hosts: Found) -> _Table:
+def _is_same(subjects: Instances, hosts: Instances) -> _Table:
     """Return a table that is true if a subject shares an object with a host."""
     return np.array(
         [[not set(rows).isdisjoint(other) for other in hosts.rows] for rows in subjects.rows],

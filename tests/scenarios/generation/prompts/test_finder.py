@@ -148,7 +148,7 @@ def test_tiles_of_one_room_are_one_room():
     tile = {"room": "a", "use": "lobby"}
     rooms = with_attributes(rooms, tile, tile, {"use": "lobby"})
     assert number(rooms, "lobby") == 2
-    (outline, other) = Finder(rooms).found("lobby").outline
+    (outline, other) = Finder(rooms).instances("lobby").outline
     assert sorted((outline.area, other.area)) == [16, 32]
 
 

@@ -165,5 +165,5 @@ def test_a_turned_house_has_its_front_where_it_looks():
 
 def test_what_is_within_a_distance_may_stand_beneath():
     finder = Finder(scene_of(CANOPY, crate(1, 1), crate(5, 0), crate(9, 0), crate(1, 1, 9)))
-    near = within(finder.found("crate"), finder.found("canopy"), 2.0)
+    near = within(finder.instances("crate"), finder.instances("canopy"), 2.0)
     assert near[:, 0].tolist() == [True, True, False, False]
