@@ -15,7 +15,7 @@ from autonomy.types import Vector3
 from flightsim.mavlink.client.telemetry import LANDED_ON_GROUND
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.phases import Phase, Step
-from scenarios.pilot.tracking_statistics import Following
+from scenarios.pilot.tracking_statistics import TrackingStatistics
 
 _LOG = logging.getLogger(__name__)
 
@@ -40,13 +40,13 @@ LEAVE_M = 1.0
 """Height above a touched place up to which the map is not checked."""
 
 
-def steady_within(following: Following) -> tuple[float, float]:
+def steady_within(tracking: TrackingStatistics) -> tuple[float, float]:
     """Return the distance and speed within which the vehicle sinks.
 
     A vehicle that hovers less well gets wider limits, up to those of wind. If it cannot keep even
     those, waiting longer would not help.
     """
-    away_m, drift_mps = following.keeps
+    away_m, drift_mps = tracking.keeps
     return (
         min(max(STEADY_M, away_m), STEADY_IN_WIND_M),
         min(max(STEADY_MPS, drift_mps), STEADY_IN_WIND_MPS),
@@ -95,7 +95,7 @@ class LastStretch:
         flight = self._flight
         away_m = flight.level_deviation_m
         speed_mps = math.hypot(*flight.telemetry.velocity_enu_mps[:2])
-        most_m, most_mps = steady_within(flight.following)
+        most_m, most_mps = steady_within(flight.tracking)
         if flight.is_windy:
             most_m, most_mps = STEADY_IN_WIND_M, STEADY_IN_WIND_MPS
             if away_m > (most_m if speed_mps <= most_mps else CARRIED_OFF_M):

@@ -29,7 +29,7 @@ from scenarios.pilot.movers import (
 from scenarios.pilot.pace import IN_WIND, USUAL, WINDY_MPS, Pace
 from scenarios.pilot.phases import Phase, Replan
 from scenarios.pilot.senses import Senses
-from scenarios.pilot.tracking_statistics import Following
+from scenarios.pilot.tracking_statistics import TrackingStatistics
 
 PLANNING_TIME_S = 0.1
 """Delay until a plan made in flight takes over: the computing time of an onboard computer.
@@ -65,7 +65,7 @@ class FlightState:
     watch: LandingWatch | None = None
     given_up: str | None = None
     """Reason why no landing on an area will be tried any more; None while one may be."""
-    following: Following = field(default_factory=Following)
+    tracking: TrackingStatistics = field(default_factory=TrackingStatistics)
     complaint: str | None = None
     """Reason why the vehicle's position is unknown, None if it is known."""
     gaze: Gaze | None = None
@@ -110,7 +110,7 @@ class FlightState:
     @property
     def has_arrived(self) -> bool:
         """True if the course is complete and the vehicle rests at its end, as well as it can."""
-        within_m, most_mps = self.following.at_place
+        within_m, most_mps = self.tracking.at_place
         return self.course.has_arrived(
             self.time_us, self.telemetry, within_m=within_m, most_mps=most_mps
         )
@@ -176,13 +176,13 @@ class FlightState:
         A vehicle that strays far is also flown more slowly, because its lag grows with the speed.
         """
         ours_mps, its_mps = self.telemetry.velocity_enu_mps, self.setpoint.velocity_enu_mps
-        self.following.hear(
+        self.tracking.update(
             self.time_us,
             self.level_deviation_m,
             math.dist(ours_mps[:2], its_mps[:2]),
             is_resting=self.is_resting(),
         )
-        margin_m = self.following.margin_m
+        margin_m = self.tracking.margin_m
         if margin_m <= self.mission.surroundings.margin_m:
             return
         # The mission is frozen, so a new margin makes a new one; plans already in flight keep

@@ -158,7 +158,7 @@ class Guard:
         # The rotors spin up while the plan already rises: a vertical lag is harmless.
         n = 2 if phase is Phase.TAKEOFF else 3
         away_m = math.dist(here[:n], should[:n])
-        limit_m = deviation_limit_m(flight.course.trajectory, flight.following.stray_m)
+        limit_m = deviation_limit_m(flight.course.trajectory, flight.tracking.stray_m)
         if away_m <= limit_m:
             return None
         if phase not in ON_THE_WAY and self._is_free_between(here, should):

@@ -205,7 +205,7 @@ class LandingPhases:
         Then the last stretch begins without a stop.
         """
         flight = self._flight
-        most_m, most_mps = steady_within(flight.following)
+        most_m, most_mps = steady_within(flight.tracking)
         return (
             flight.course.is_slower_than(flight.pace.touchdown_mps, flight.time_us)
             and flight.level_deviation_m <= most_m

@@ -132,7 +132,7 @@ class Senses:
         if not estimate.has_state:
             self.telemetry = estimate
             return
-        self._trust.hear(time_us, estimate.horizontal_sigma_m)
+        self._trust.update(time_us, estimate.horizontal_sigma_m)
         # As soon as the autopilot has satellites again, it needs no places from here.
         self._tells_place = self._tells_place and not estimate.has_fix
         anchor.claim(estimate.horizontal_sigma_m, is_adrift=self.is_adrift)

@@ -29,7 +29,7 @@ _STEP_M = 0.2
 coarse."""
 
 
-class Following:
+class TrackingStatistics:
     """Learns from the distance and the speed between the vehicle and its set point in the air.
 
     Quantiles of the last eight seconds are used instead of means, because a single gust must not
@@ -43,7 +43,7 @@ class Following:
         self._due_us = 0
         self._rests_since_us: int | None = None
 
-    def hear(self, time_us: int, away_m: float, drift_mps: float, *, is_resting: bool) -> None:
+    def update(self, time_us: int, away_m: float, drift_mps: float, *, is_resting: bool) -> None:
         """Learn from the present moment of a flight.
 
         Args:

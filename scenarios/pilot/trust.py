@@ -29,7 +29,7 @@ class Trust:
         self.is_adrift = False
         """True if nothing seems to measure the position."""
 
-    def hear(self, time_us: int, sigma_m: float) -> None:
+    def update(self, time_us: int, sigma_m: float) -> None:
         """Record the present claim; NaN and infinity are ignored."""
         claims = self._claims
         if not math.isfinite(sigma_m):

@@ -23,7 +23,7 @@ from scenarios.pilot.tracking_statistics import (
     MOST_DRIFT_MPS,
     MOST_STRAY_M,
     SETTLING_US,
-    Following,
+    TrackingStatistics,
 )
 from tests.scenarios.landing_scenes import yard
 
@@ -34,14 +34,14 @@ SWAY_M, SWAY_RADPS = 0.28, 1.2
 
 def heard(seconds, away_m, drift_mps=0.0, *, is_resting=True, before=None):
     """What was learned of some time in which the vehicle was so far from its setpoint."""
-    following, begun_us = before if before is not None else (Following(), 0)
+    tracking, begun_us = before if before is not None else (TrackingStatistics(), 0)
     for tick in range(round(seconds * 1e6) // TICK_US):
-        following.hear(begun_us + tick * TICK_US, away_m, drift_mps, is_resting=is_resting)
-    return following
+        tracking.update(begun_us + tick * TICK_US, away_m, drift_mps, is_resting=is_resting)
+    return tracking
 
 
 def test_nothing_is_learned_of_the_time_in_which_it_still_brakes():
-    assert Following().at_place == USUAL_PLACE
+    assert TrackingStatistics().at_place == USUAL_PLACE
     assert heard(SETTLING_US * 1e-6, 0.4, 0.4).at_place == USUAL_PLACE
     assert heard(30.0, 0.4, 0.4, is_resting=False).at_place == USUAL_PLACE
 
@@ -53,9 +53,9 @@ def test_what_it_keeps_as_it_hovers_counts_as_being_there():
 
 
 def test_it_forgets_what_was_long_ago():
-    following = heard(12.0, 0.4, 0.3)
-    assert heard(9.0, 0.1, before=(following, 12_000_000)).at_place == USUAL_PLACE
-    assert following.stray_m == pytest.approx(0.125)
+    tracking = heard(12.0, 0.4, 0.3)
+    assert heard(9.0, 0.1, before=(tracking, 12_000_000)).at_place == USUAL_PLACE
+    assert tracking.stray_m == pytest.approx(0.125)
 
 
 def test_the_allowed_deviation_grows_with_what_it_strays():
@@ -68,21 +68,21 @@ def test_the_allowed_deviation_grows_with_what_it_strays():
 
 
 def test_it_sinks_within_what_it_keeps_but_never_beyond_what_wind_allows():
-    assert steady_within(Following()) == (STEADY_M, STEADY_MPS)
+    assert steady_within(TrackingStatistics()) == (STEADY_M, STEADY_MPS)
     assert steady_within(heard(3.0, 0.2, 0.4)) == (0.2, 0.4)
     assert steady_within(heard(3.0, 0.45, 0.6)) == (STEADY_IN_WIND_M, STEADY_IN_WIND_MPS)
 
 
 def test_plans_keep_as_far_from_obstacles_as_it_strays_and_are_slower(demo):
     flight = demo(yard()).fly_to(Phase.NAVIGATE)._flight
-    assert flight.following.stray_m < LEAST_DEVIATION_M
+    assert flight.tracking.stray_m < LEAST_DEVIATION_M
     usual = flight.mission.surroundings.planner.margins_m
-    flight.following = heard(2.0, 0.58)
+    flight.tracking = heard(2.0, 0.58)
     flight.learn_following()
     assert flight.mission.surroundings.planner.margins_m == (pytest.approx(0.8), *usual)
     assert flight.pace == IN_WIND != USUAL
     assert flight.mission.surroundings.limits == IN_WIND.limits
-    flight.following = Following()
+    flight.tracking = TrackingStatistics()
     flight.learn_following()
     assert flight.mission.surroundings.planner.margins_m[0] == pytest.approx(0.8)
 
@@ -105,7 +105,7 @@ def test_a_vehicle_that_circles_its_setpoint_lands(demo):
     pilot = demo.fly()
     assert pilot.verdict.success, pilot.verdict.reason
     assert Phase.RETURN not in demo.targets()
-    keeps_m, keeps_mps = flight.following.keeps
+    keeps_m, keeps_mps = flight.tracking.keeps
     assert AT_PLACE_M < keeps_m < 0.4
     assert keeps_mps > AT_REST_MPS
     assert demo.score().touchdown_error_m < 0.5
@@ -137,9 +137,9 @@ def test_a_hold_goes_on_within_what_the_vehicle_keeps(demo, monkeypatch):
     flight.senses.telemetry = dataclasses.replace(
         flight.telemetry, position_enu_m=(x + 0.58, y, z), velocity_enu_mps=(0.0, 0.0, 0.0)
     )
-    flight.following = heard(2.0, 0.58)
+    flight.tracking = heard(2.0, 0.58)
     assert guard._deviation(Phase.HOLD) is None
     assert not flight.replans
-    flight.following = Following()
+    flight.tracking = TrackingStatistics()
     guard._deviation(Phase.HOLD)
     assert "0.58 m from the plan, 0.50 m are allowed" in flight.replans[-1].reason

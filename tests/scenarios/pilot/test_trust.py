@@ -16,7 +16,7 @@ def adrift_at_s(sigma_m, seconds):
     """Times at which a course of claims is taken for one without any position."""
     trust, found = Trust(), []
     for n in range(round(seconds * 1e6) // PERIOD_US):
-        trust.hear(n * PERIOD_US, sigma_m(n * PERIOD_US * 1e-6))
+        trust.update(n * PERIOD_US, sigma_m(n * PERIOD_US * 1e-6))
         if trust.is_adrift:
             found.append(n * PERIOD_US * 1e-6)
     return found
