@@ -57,7 +57,7 @@ class GpsInputService:
 
     def update(self) -> None:
         """Notice that no fixes come any more, and restore the vehicle's receiver."""
-        aids = self._view.plant.outside
+        aids = self._view.plant.external_aids
         if not self._said or self._view.time_us - self._heard_us <= _SILENCE_US:
             return
         self._said.clear()
@@ -75,7 +75,7 @@ class GpsInputService:
 
     def _on_fix(self, _: Channel, m: Message) -> None:
         self._heard_us = self._view.time_us
-        aids = self._view.plant.outside
+        aids = self._view.plant.external_aids
         if aids.fix_source not in {FixSource.EITHER, FixSource.CLIENT}:
             self._say_once(f"GPS_INPUT is not used: {self._hint}")
             return

@@ -100,7 +100,7 @@ class Services:
         view, personality, payload = setting.view, setting.personality, setting.payload
         # ArduPilot turns the fence on by an upload; PX4 has no switch, so its fence always counts.
         view.autopilot.fence.switch = None if personality.switches_fence else True
-        view.plant.outside.fix_source = personality.fix_source
+        view.plant.external_aids.fix_source = personality.fix_source
         unknown = () if personality.switches_fence else (mav.MAV_CMD_DO_FENCE_ENABLE,)
         view.autopilot.mission.unknown_commands = frozenset(unknown)
         modes = ModeReport(personality, view.autopilot)

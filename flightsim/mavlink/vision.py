@@ -79,8 +79,8 @@ class VisionService:
         self._said.clear()
         self._names.clear()
         self._resets.clear()
-        if plant.outside.is_fed_poses:
-            plant.outside.end_poses()
+        if plant.external_aids.is_fed_poses:
+            plant.external_aids.end_poses()
             has_own = plant.cfg.has("vio") or plant.cfg.has("mocap")
             rest = "the vehicle's own goes on" if has_own else "there is no other odometry"
             self._statustext.broadcast(Severity.WARNING, f"{names} lost: {rest}")
@@ -163,7 +163,7 @@ class VisionService:
     def _feed(self, name: str, pose: Pose) -> None:
         self._say_once(f"{name} takes the place of the vehicle's odometry")
         self._names.add(name)
-        use = self._view.plant.outside.feed_pose(pose)
+        use = self._view.plant.external_aids.feed_pose(pose)
         if use is PoseUse.RESTARTED:
             self._say_once(f"Position starts anew from {name}")
         elif use is PoseUse.HEADING_REFUSED:
@@ -173,7 +173,7 @@ class VisionService:
         """Begin anew if the source reports that it has jumped."""
         if self._resets.setdefault(name, counter) != counter:
             self._resets[name] = counter
-            self._view.plant.outside.expect_jump()
+            self._view.plant.external_aids.expect_jump()
 
     # --- velocities ---
 
@@ -198,7 +198,7 @@ class VisionService:
             return
         self._say_once(f"{m.get_type()} gives the velocity")
         variance = _variance(covariance, (0,), _USUAL_MPS, _LEAST_MPS)
-        self._view.plant.outside.feed_velocity(
+        self._view.plant.external_aids.feed_velocity(
             velocity_enu_mps, variance, self._view.age_s(time_us)
         )
 

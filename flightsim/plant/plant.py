@@ -91,7 +91,7 @@ class Plant:
         """Latest reading of each sensor."""
         self.failures = Failures(self._record, self.sensors)
         """Switches that make parts of the vehicle fail."""
-        self.outside = ExternalAids(self._record, self._memory.tick_us)
+        self.external_aids = ExternalAids(self._record, self._memory.tick_us)
         """Input of fixes and poses that replace those of the vehicle's own sensors."""
         self.history = with_rotors(self._memory.history, n)
         """The last advance, a row for each control tick (`flightsim.plant.record`)."""

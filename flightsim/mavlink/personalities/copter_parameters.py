@@ -91,12 +91,12 @@ _FIX_SOURCES = {
 
 
 def _fix_type(view: VehicleView) -> int:
-    source = view.plant.outside.fix_source
+    source = view.plant.external_aids.fix_source
     return next((number for number, named in _FIX_SOURCES.items() if named is source), 1)
 
 
 def _choose_fixes(view: VehicleView, value: int) -> None:
-    view.plant.outside.fix_source = _FIX_SOURCES[value]
+    view.plant.external_aids.fix_source = _FIX_SOURCES[value]
 
 
 def _turn_fence(view: VehicleView, value: int) -> None:

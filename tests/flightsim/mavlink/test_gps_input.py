@@ -77,7 +77,7 @@ def test_a_fix_that_cannot_be_is_refused_once_and_changes_nothing(flight, fields
     assert _texts(flight).count("GPS_INPUT refused: ") == 1
     assert reason in _texts(flight)
     assert flight.plant.sensors.gnss.fix_type == before.fix_type
-    assert not flight.plant.outside.is_fed_fixes
+    assert not flight.plant.external_aids.is_fed_fixes
 
 
 def test_without_a_fix_or_a_height_no_more_is_used_than_there_is(flight):

@@ -47,7 +47,7 @@ def test_telemetry_of_others_and_answers_are_taken_without_a_word(flight):
     flight.send("COMMAND_ACK", 400, 0)
     flight.send("ODOMETRY", *(0, 1, 12, 50.0, 0, 0, [1, 0, 0, 0], *[0] * 6), [0] * 21, [0] * 21)
     assert _texts(flight.run(0.5)) == ""
-    assert not flight.plant.outside.is_fed_poses
+    assert not flight.plant.external_aids.is_fed_poses
 
 
 def test_a_component_says_what_it_ignores(field):

@@ -138,7 +138,7 @@ def test_arducopter_wants_viso_type(field):
         copter.send("PARAM_SET", 1, 1, b"VISO_TYPE", 1.0, 9)
         copter.step(2)
         _stream(copter, "VISION_POSITION_ESTIMATE", (0.0, 0.0, 0.0), n=3)
-        assert copter.plant.outside.is_fed_poses
+        assert copter.plant.external_aids.is_fed_poses
     finally:
         copter.close()
 
