@@ -45,11 +45,11 @@ class Plant:
     would draw alone, and all share its movers.
 
     Attributes:
-        mates: The other vehicles of the world, which advance together with this one.
+        other_plants: The other vehicles of the world, which advance together with this one.
     """
 
     def __init__(self, world: World, cfg: PlantCfg, *, memory: PlantMemory | None = None) -> None:
-        """Put the first vehicle of a world at rest at its start, and its mates at theirs.
+        """Put the first vehicle of a world at rest at its start, and the others at theirs.
 
         Args:
             world: World as its first vehicle has it, from `build_world`.
@@ -98,11 +98,12 @@ class Plant:
         self._read_afresh()
         self.wind = cfg.wind
         self.apply(OFF)
-        self.mates: tuple[Plant, ...] = tuple(
+        self.other_plants: tuple[Plant, ...] = tuple(
             Plant(other.world, cfg, memory=other) for other in others
         )
-        for mate in self.mates:
-            mate.mates = (self, *(other for other in self.mates if other is not mate))
+        for plant in self.other_plants:
+            rest = (other for other in self.other_plants if other is not plant)
+            plant.other_plants = (self, *rest)
 
     def advance(self) -> None:
         """Advance all vehicles of the world by 20 ms, or what `PlantCfg.advance_hz` says.
@@ -110,7 +111,7 @@ class Plant:
         Raises:
             PhysicsDivergedError: If the physics engine had to give the state up.
         """
-        plants = (self, *self.mates)
+        plants = (self, *self.other_plants)
         for plant in plants:
             plant._begin_advance()
         if self._handover is None:
@@ -202,7 +203,7 @@ class Plant:
         Raises:
             NotAlignedError: If one is not aligned within `timeout_s` of simulated time.
         """
-        end_us, plants = self.time_us + round(1e6 * timeout_s), (self, *self.mates)
+        end_us, plants = self.time_us + round(1e6 * timeout_s), (self, *self.other_plants)
         for plant in plants:
             plant.apply(OFF)
         while not all(plant.is_aligned for plant in plants):

@@ -78,7 +78,7 @@ class OwnStack:
         # From now on a client that sets a wind parameter changes the plant's wind.
         follow_parameters(self.autopilot.parameters, plant)
         video_port = VIDEO_PORT + cfg.instance if has_video else None
-        if captures is not None and plant.mates:
+        if captures is not None and plant.other_plants:
             # Several vehicles would number their pictures in one folder.
             captures /= vehicle_name(plant.world.number)
         payload_cfg = PayloadCfg(captures=captures, video_port=video_port)

@@ -202,7 +202,7 @@ def _parts(
 
     Instances count up, and only the first has the serial line.
     """
-    for i, plant in enumerate((first, *first.mates)):
+    for i, plant in enumerate((first, *first.other_plants)):
         own = replace(cfg, instance=cfg.instance + i, serial="" if i else cfg.serial)
         yield plant, own, links[i] if i < len(links) else ()
 

@@ -96,7 +96,7 @@ def _plants_alone(cfg: VehiclesBenchCfg, scene: Scene, airframe: Airframe) -> It
     spent_s = []
     for n in (1, cfg.vehicles):
         first = Plant(build_world(scene, *[airframe] * n), plant_cfg)
-        plants = (first, *first.mates)
+        plants = (first, *first.other_plants)
         # One call aligns and advances all: the first plant stands for the world.
         first.align()
         for plant in plants:

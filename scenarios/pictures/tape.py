@@ -40,7 +40,7 @@ class FlightTape:
         plant: Plant,
         autopilot: FlightReports,
         pilot: Pilot | None,
-        mates: Sequence[Plant] = (),
+        other_plants: Sequence[Plant] = (),
     ) -> None:
         """Follow a vehicle.
 
@@ -48,10 +48,10 @@ class FlightTape:
             plant: Plant of the vehicle.
             autopilot: Reports of its flight stack, which say whether it is armed.
             pilot: Our own pilot, if it flies.
-            mates: Other vehicles in the same world, whose paths are shown too.
+            other_plants: Other vehicles in the same world, whose paths are shown too.
         """
         self._plant = plant
-        self._mates = mates
+        self._other_plants = other_plants
         self._autopilot = autopilot
         self._pilot = pilot
         self._times_us: list[int] = []
@@ -74,12 +74,12 @@ class FlightTape:
         self._times_us.append(plant.time_us)
         self._rows.append(tuple(last[field].copy() for field in _FIELDS))
         self._is_armed.append(self._autopilot.is_armed)
-        has_movers = plant.world.obstacles or self._mates
+        has_movers = plant.world.obstacles or self._other_plants
         if has_movers and len(self._times_us) % _MOVER_TICKS == 0:
-            mates_enu_m = [mate.truth.position_enu_m for mate in self._mates]
+            others_enu_m = [other.truth.position_enu_m for other in self._other_plants]
             movers_enu_m = plant.obstacles_true.position_enu_m
-            # Reshaped, because an empty list of mates would have one dimension only.
-            self._movers.append(np.concatenate([movers_enu_m, np.reshape(mates_enu_m, (-1, 3))]))
+            # Reshaped, because an empty list of plants would have one dimension only.
+            self._movers.append(np.concatenate([movers_enu_m, np.reshape(others_enu_m, (-1, 3))]))
         # The pilot plans before it arms, but only the plan that is current then is flown.
         pilot = self._pilot
         if pilot is not None and self._is_armed[-1] and pilot.trajectory is not self._plan:
@@ -134,7 +134,7 @@ class FlightTape:
     def _mover_paths(self) -> tuple[MoverPath, ...]:
         obstacles = self._plant.world.obstacles
         names = [mover_name(index, obstacles) for index in range(len(obstacles))]
-        names += [vehicle_name(mate.world.number) for mate in self._mates]
+        names += [vehicle_name(other.world.number) for other in self._other_plants]
         positions = np.array(self._movers).reshape(len(self._movers), len(names), 3)
         paths = [
             MoverPath(name=name, points_enu_m=positions[:, index])

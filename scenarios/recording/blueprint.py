@@ -44,7 +44,7 @@ def recording_blueprint(
     goal_enu_m: Vector3 | None = None,
     *,
     has_segments: bool = False,
-    mates: Mapping[str, Airframe] = MappingProxyType({}),
+    other_vehicles: Mapping[str, Airframe] = MappingProxyType({}),
 ) -> rrb.Blueprint:
     """Return the blueprint of a recording of a run.
 
@@ -53,10 +53,10 @@ def recording_blueprint(
         airframe: Vehicle that flies.
         goal_enu_m: Goal, framed together with the start; None frames the whole scene.
         has_segments: True if camera frames have objects and classes.
-        mates: Other vehicles in the same world, by their names, such as `vehicle_2`.
+        other_vehicles: Other vehicles in the same world, by their names, such as `vehicle_2`.
     """
     cameras = [mount.name for mount in airframe.rgbd_cameras]
-    shown = _Shown(tuple(cameras), mates)
+    shown = _Shown(tuple(cameras), other_vehicles)
     return rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(_scene_views(scene, shown, goal_enu_m), _plots(), row_shares=[5, 3]),
@@ -93,7 +93,7 @@ class _Shown:
     """Entities of all vehicles that a view of the world treats specially."""
 
     cameras: tuple[str, ...] = ()
-    mates: Mapping[str, Airframe] = field(default_factory=dict)
+    other_vehicles: Mapping[str, Airframe] = field(default_factory=dict)
 
     @property
     def images(self) -> list[str]:
@@ -101,14 +101,16 @@ class _Shown:
         own = [image(camera) for camera in self.cameras for image in _FLAT]
         return own + [
             layout.of_vehicle(name, image(mount.name))
-            for name, airframe in self.mates.items()
+            for name, airframe in self.other_vehicles.items()
             for mount in airframe.rgbd_cameras
             for image in _FLAT
         ]
 
     def of_all(self, *entities: str) -> list[str]:
         """Return entities of the first vehicle, and the same entities of the others."""
-        others = (layout.of_vehicle(name, each) for name in self.mates for each in entities)
+        others = (
+            layout.of_vehicle(name, each) for name in self.other_vehicles for each in entities
+        )
         return [*entities, *others]
 
 

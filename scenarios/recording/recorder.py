@@ -70,7 +70,7 @@ class Recorder:
         serve_port: int | None = None,
         is_summary: bool = False,
         has_segments: bool = False,
-        mates: Mapping[str, Airframe] = MappingProxyType({}),
+        other_vehicles: Mapping[str, Airframe] = MappingProxyType({}),
     ) -> None:
         """Open the file, the live port or both, and write the scene.
 
@@ -85,7 +85,7 @@ class Recorder:
             is_summary: True keeps only the verdict, the configuration, the planned and the flown
                 trajectory, the pilot's phases, texts and contacts.
             has_segments: True adds views of objects and classes, if camera frames will have them.
-            mates: Other vehicles in the same world, by their names.
+            other_vehicles: Other vehicles in the same world, by their names.
 
         Raises:
             RecordingError: If the file cannot be written or the port is taken.
@@ -98,7 +98,11 @@ class Recorder:
         blueprint = None
         if not is_summary:
             blueprint = recording_blueprint(
-                scene, airframe, goal_enu_m, has_segments=has_segments, mates=mates
+                scene,
+                airframe,
+                goal_enu_m,
+                has_segments=has_segments,
+                other_vehicles=other_vehicles,
             )
         self._stream.set_sinks(*self._open_sinks(serve_port), default_blueprint=blueprint)
         self._is_open = True
@@ -111,9 +115,9 @@ class Recorder:
             self._stream, scene, airframe, is_summary=is_summary, has_traffic=True
         )
         recorder = partial(VehicleRecorder, is_summary=is_summary, has_traffic=False)
-        self.mates = {
-            name: recorder(VehicleStream(self._stream, name), scene, mate)
-            for name, mate in mates.items()
+        self.other_vehicles = {
+            name: recorder(VehicleStream(self._stream, name), scene, other)
+            for name, other in other_vehicles.items()
         }
         """Recorder of each of the other vehicles, by their names."""
 
@@ -137,17 +141,19 @@ class Recorder:
 
     def flush(self) -> None:
         """Write all buffered data of all vehicles."""
-        for vehicle in (self.first, *self.mates.values()):
+        for vehicle in (self.first, *self.other_vehicles.values()):
             vehicle.flush()
 
-    def conclude(self, verdict: Mapping[str, Any], mates: Sequence[Mapping[str, Any]] = ()) -> None:
+    def conclude(
+        self, verdict: Mapping[str, Any], other_results: Sequence[Mapping[str, Any]] = ()
+    ) -> None:
         """Write buffered data and the run's figures, and finish the file if nobody watches live.
 
         Args:
             verdict: Verdict and figures of the vehicle, or of the first of several.
-            mates: Verdicts and figures of the other vehicles, in their order.
+            other_results: Verdicts and figures of the other vehicles, in their order.
         """
-        for vehicle, figures in zip(self.mates.values(), mates, strict=False):
+        for vehicle, figures in zip(self.other_vehicles.values(), other_results, strict=False):
             vehicle.conclude(figures)
             vehicle.log_verdict(figures)
         self.flush()

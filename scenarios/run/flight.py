@@ -126,7 +126,7 @@ class Flight:
         from scenarios.pictures.tape import FlightTape
 
         plant = self.vehicle.plant
-        return FlightTape(plant, self.vehicle.stack.reports, self.pilot, plant.mates)
+        return FlightTape(plant, self.vehicle.stack.reports, self.pilot, plant.other_plants)
 
     def schedule(self) -> Schedule:
         """Return the schedule of the rest of the flight, from now on."""

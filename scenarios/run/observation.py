@@ -44,7 +44,7 @@ def watch(
             viewer = stack.enter_context(Viewer(cfg.viewer, recorder.url))
     except (RecordingError, ViewerError) as error:
         raise TestbenchError(str(error)) from error
-    parts = (recorder.first, *recorder.mates.values())
+    parts = (recorder.first, *recorder.other_vehicles.values())
     for flight, part in zip(flights, parts, strict=True):
         _follow(cfg, bench, flight, part)
     return recorder, viewer
@@ -110,7 +110,7 @@ def _recorder(cfg: SitlCfg, flights: Sequence[Flight]) -> Recorder:
         serve_port=None if cfg.viewer == "off" else free_port(DATA_PORT),
         is_summary=cfg.record_level == "summary",
         has_segments=cfg.bench.segmentation,
-        mates={
+        other_vehicles={
             vehicle_name(number): flight.vehicle.airframe
             for number, flight in enumerate(flights)
             if number > 0

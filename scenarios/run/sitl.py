@@ -215,7 +215,7 @@ class Sitl:
         spent_s = clock.spent_s()
         names = [None if self.cfg.record is None else str(self.cfg.record)]
         # One recording holds all vehicles; it is listed with the first.
-        names += [None] * len(self.bench.plant.mates)
+        names += [None] * len(self.bench.plant.other_plants)
         first, *mates = (
             flight.conclude(stopped_by, spent_s, name)
             for flight, name in zip(self.flights, names, strict=True)

@@ -76,10 +76,10 @@ def test_the_vehicles_of_a_world_fly_as_they_would_in_plants_of_one_world():
     plant, together = Plant(world, cfg(2)), histories_together([world] * 2, [cfg(5), cfg(2)], 2)
     for tick in range(N_TICKS):
         if tick == 60:
-            for each in (plant, *plant.mates):
+            for each in (plant, *plant.other_plants):
                 each.apply(AWAY)
         plant.advance()
-        for each, row in zip((plant, *plant.mates), together[2:], strict=True):
+        for each, row in zip((plant, *plant.other_plants), together[2:], strict=True):
             assert each.history.tobytes() == row[tick]
 
 

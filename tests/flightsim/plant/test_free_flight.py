@@ -141,7 +141,9 @@ def test_vehicles_that_are_apart_fly_freely_and_those_that_meet_do_not():
     record = first._record["free_flight"]
     assert first.n_free_steps == 10
     apart_m = math.dist(first.data.qpos[:3], first.data.qpos[7:10])
-    clearances_m = record["clearance_m"] + first.mates[0]._record["free_flight"]["clearance_m"]
+    clearances_m = (
+        record["clearance_m"] + first.other_plants[0]._record["free_flight"]["clearance_m"]
+    )
     assert clearances_m < apart_m - 2.0 * IRIS.collision_radius_m
     first.data.qpos[7:10] = first.data.qpos[:3] + (0.0, 0.0, 0.5)
     first.advance()

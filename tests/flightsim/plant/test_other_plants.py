@@ -23,7 +23,7 @@ WALKER = MovingObstacle(
 
 def plants_of(*airframes, **more):
     first = Plant(build_world(empty_scene(), *airframes, **more), PlantCfg(seed=3))
-    return (first, *first.mates)
+    return (first, *first.other_plants)
 
 
 def put(plant, position_enu_m):
@@ -135,8 +135,8 @@ def test_whichever_vehicle_is_advanced_all_of_its_world_are():
     first, second = plants_of(IRIS, IRIS)
     second.advance()
     assert first.time_us == second.time_us == 20_000
-    assert first.mates == (second,)
-    assert second.mates == (first,)
+    assert first.other_plants == (second,)
+    assert second.other_plants == (first,)
 
 
 def test_plants_are_of_a_world_as_build_world_gives_it():
