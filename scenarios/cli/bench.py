@@ -125,7 +125,7 @@ def _module(bench: AnyBenchCfg) -> Any:
             from aeroscene.learning.training.presets import read_sections
 
             read_sections(bench.checkpoint)
-    name = "made" if is_made else _NAMES[type(bench)]
+    name = "existing_scenes" if is_made else _NAMES[type(bench)]
     return importlib.import_module(f"scenarios.bench.{name}")
 
 
