@@ -38,6 +38,11 @@ $(VENV)/.installed: pyproject.toml constraints.txt | $(VENV)/bin/python
 	@$(PIP_INSTALL) --editable . | $(SHOW)
 	@$(SLIM)
 	$(BIN)/aeroscene compile
+	@touch $@ $(VENV)/.compiled
+
+# Kernels that an edit changed are compiled once, and in no test.
+$(VENV)/.compiled: $(VENV)/.installed $(shell find aeroscene autonomy flightsim scenarios -name '*.py')
+	$(BIN)/aeroscene compile
 	@touch $@
 
 $(VENV)/.installed-dev: $(VENV)/.installed
@@ -55,17 +60,16 @@ $(VENV)/.installed-docs: $(VENV)/.installed
 demo: $(VENV)/.installed
 	$(BIN)/aeroscene sitl 42 --demo --speed max --record recordings/scene-42.rrd
 
-# Kernels that an edit changed are compiled here, once, and in no test. Bytecode is kept, also where a
-# container turns that off: the tests start some hundred programs, which import the same modules.
+# Bytecode is kept, also where a container turns that off: the tests start some hundred programs, which
+# import the same modules.
 test: export PYTHONDONTWRITEBYTECODE :=
-test: $(VENV)/.installed-dev
-	$(BIN)/aeroscene compile
+test: $(VENV)/.installed-dev $(VENV)/.compiled
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal
 
 check: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/pyright
+	$(BIN)/pyrefly check
 	$(BIN)/lint-imports
 	$(BIN)/deptry .
 

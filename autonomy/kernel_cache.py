@@ -56,8 +56,27 @@ def report_unkept(reason: str) -> None:
         _REPORT.disabled = True
 
 
+_ROOT = Path(__file__).parents[1]
+
+
 class _Folder(UserProvidedCacheLocator):
     """Cache locator for the folder that numba's setting names, even if it can only be read."""
+
+    @classmethod
+    def get_suitable_cache_subpath(cls, py_file: str) -> str:
+        """Name a subfolder for the code of a file, without the path of our packages.
+
+        numba hashes the path, so that a fresh checkout would compile every kernel again. The folder
+        is named by a digest of our sources, and numba compares a digest of the file. Therefore
+        checkouts with equal sources can share their code.
+
+        Args:
+            py_file: Source file of the kernel.
+        """
+        path = Path(py_file)
+        if path.is_relative_to(_ROOT):
+            return path.parent.name
+        return super().get_suitable_cache_subpath(py_file)
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Self:
@@ -66,7 +85,7 @@ class _Folder(UserProvidedCacheLocator):
 
 
 class _Impl(CompileResultCacheImpl):
-    _locator_classes = (_Folder,)
+    _locator_classes = [_Folder]  # noqa: RUF012 - a list in numba too
 
 
 class KernelCache(FunctionCache):

@@ -19,7 +19,7 @@ for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 
 # The first call of a kernel compiles it: time means nothing here. Draws are fixed, so that a change
 # is judged by its effect and not by luck; HYPOTHESIS_PROFILE=thorough searches.
-settings.register_profile("fixed", deadline=None, max_examples=60, derandomize=True)
+settings.register_profile("fixed", deadline=None, max_examples=25, derandomize=True)
 settings.register_profile("thorough", deadline=None, max_examples=300)
 profile = os.environ.get("HYPOTHESIS_PROFILE", "fixed")
 settings.load_profile(profile)

@@ -81,6 +81,6 @@ class Limit:
 def pytest_timeout_set_timer(item: pytest.Item, settings: Settings) -> bool:
     """Answer pytest-timeout's hook in place of its own timer."""
     limit = Limit(item, settings)
-    item.cancel_timeout = limit.stop  # pyright: ignore[reportAttributeAccessIssue] - where it looks
+    item.cancel_timeout = limit.stop  # where it looks
     limit.start()
     return True

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -107,7 +108,8 @@ def save(rgb: np.ndarray, path: Path) -> None:
     The folder is made if it is missing.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    options = {} if path.suffix == ".png" else {"quality": _JPEG_QUALITY, "progressive": True}
+    is_png = path.suffix == ".png"
+    options: dict[str, Any] = {} if is_png else {"quality": _JPEG_QUALITY, "progressive": True}
     Image.fromarray(rgb).save(path, optimize=True, **options)
 
 

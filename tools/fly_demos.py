@@ -90,7 +90,8 @@ def fly(cfg: FlyCfg, scene: int, vehicle: str) -> dict[str, Any]:
     # A process each, as a user flies: with no state of an earlier flight, and the speed of a fresh
     # start.
     command = [sys.executable, "-m", "scenarios.cli.sitl", "--demo", "--json", "--speed", "max"]
-    options = {"scene": scene, "vehicle": vehicle, "seed": cfg.seed, "instance": cfg.instance}
+    options: dict[str, Any] = {"scene": scene, "vehicle": vehicle}
+    options |= {"seed": cfg.seed, "instance": cfg.instance}
     options["autopilot"] = cfg.autopilot
     if cfg.autopilot_binary is not None:
         options["autopilot-binary"] = cfg.autopilot_binary

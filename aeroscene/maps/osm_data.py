@@ -88,7 +88,7 @@ class OsmData:
         if len(target) >= MOST_OF_ONE or self.n_references > MOST_REFERENCES:
             most = MOST_OF_ONE if len(target) >= MOST_OF_ONE else MOST_REFERENCES
             raise MapError(f"{where} has more than {most} references; valid: at most that")
-        target.append(member)  # pyright: ignore[reportArgumentType] - the caller pairs them
+        target.append(member)  # pyrefly: ignore[bad-argument-type] - the caller pairs them
 
     def add_tag(self, tags: Tags, key: str, value: str, where: str) -> None:
         """Add a tag.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from statistics import fmean
 from typing import Any, Literal
 
@@ -108,7 +109,7 @@ def paper_table(
     )
     appearing = (
         _row(
-            key, title, (paper,) * 3, groups, lambda g, level=level: _n_names(g, categories, level)
+            key, title, (paper,) * 3, groups, partial(_n_names, categories=categories, level=level)
         )
         for key, title, level, paper in _CATEGORIES
     )

@@ -195,7 +195,7 @@ def _object_record(obj: SceneObject, with_corners: bool) -> _Object:
     if with_corners:
         # Adding 0.0 turns -0.0 into 0.0, which keeps the bytes equal on all systems.
         rounded = np.round(obj.bbox.corners(), 4) + 0.0
-        corners = tuple(map(tuple, rounded.tolist()))  # pyright: ignore[reportAssignmentType]
+        corners = tuple(map(tuple, rounded.tolist()))  # pyrefly: ignore[bad-assignment]
     return _Object(
         id=obj.id,
         scene_id=obj.scene_id,
@@ -303,7 +303,7 @@ def _build(document: _Document, source: str, derive: DeriveAreas | None) -> Scen
     _note_wrong_corners(document.objects, source)
     scene = Scene(
         scene_id=scene_id,
-        domain=document.domain,  # pyright: ignore[reportArgumentType] - Scene validates it
+        domain=document.domain,  # pyrefly: ignore[bad-argument-type] - Scene validates it
         seed=document.seed,
         extent_min_enu_m=document.extent.min,
         extent_max_enu_m=document.extent.max,
@@ -344,7 +344,7 @@ def _build_object(record: _Object, scene_id: str) -> SceneObject:
         parent_id=record.parent_id,
         category_id=record.category_id,
         bbox=box,
-        domain=record.domain,  # pyright: ignore[reportArgumentType] - SceneObject validates it
+        domain=record.domain,  # pyrefly: ignore[bad-argument-type] - SceneObject validates it
         attributes=record.attributes,
     )
 

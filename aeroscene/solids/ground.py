@@ -35,7 +35,7 @@ def ground_cells(relief: Relief, grid: Grid) -> Bool[np.ndarray, "nx ny nz"]:
         relief: Heights of the ground.
         grid: Cells.
     """
-    x, y, z = grid.centres(tuple(slice(0, n) for n in grid.shape))  # pyright: ignore[reportArgumentType]
+    x, y, z = grid.centres(tuple(slice(0, n) for n in grid.shape))  # pyrefly: ignore[bad-argument-type]
     half_m = grid.resolution_m / 2
     top_m = relief.height_m(x[:, None], y[None, :]) + half_m * _steepness(relief, x, y, half_m)
     return top_m[:, :, None] > z - half_m + _TOUCH_M

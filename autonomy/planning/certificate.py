@@ -129,8 +129,9 @@ def _speed_bounds(trajectory: Trajectory) -> Float[np.ndarray, " n"]:
     ends = []
     for since in (np.zeros(len(t)), trajectory.durations_s):
         pieces = np.arange(len(t))
-        ends.append(
-            tuple(derivative_at(trajectory.coefficients, pieces, since, n) for n in range(3))
+        place, velocity, acceleration = (
+            derivative_at(trajectory.coefficients, pieces, since, n) for n in range(3)
         )
+        ends.append((place, velocity, acceleration))
     velocity = control_points(ends[0], ends[1], t)[1]
     return np.max(np.linalg.norm(np.array(velocity), axis=2), axis=0)

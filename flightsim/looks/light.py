@@ -66,7 +66,7 @@ class Light:
     """Light that the sun adds to a face which looks at it; 0 without shadows."""
     sky_share: float = 0.30
     """Light that the open sky adds to a level face."""
-    sky: SkyColours = SkyColours(tuple(-x for x in AFTERNOON_SUN))  # pyright: ignore[reportArgumentType]
+    sky: SkyColours = SkyColours(tuple(-x for x in AFTERNOON_SUN))  # pyrefly: ignore[bad-argument-type]
     visibility_m: float | None = None
     """Distance at which contrast falls to 2%; None without haze."""
     falling: Falling = "dry"

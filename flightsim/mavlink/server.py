@@ -89,9 +89,11 @@ class MavlinkServer:
         self.statustext = StatustextSender(self._partners)
         self._ignored = IgnoredMessages(self.statustext)
         self.faults = Faults(lambda line: self.statustext.broadcast(Severity.ERROR, line))
-        self._payload = payload and PayloadComponents(
-            payload, self._view, self._partners, self.statustext, self.faults, self._own
-        )
+        self._payload: PayloadComponents | None = None
+        if payload is not None:
+            self._payload = PayloadComponents(
+                payload, self._view, self._partners, self.statustext, self.faults, self._own
+            )
         services = self._services(personality, signing)
         self.telemetry = services.telemetry
         self._missions, self._watching = services.missions, services.watching

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from flightsim.vehicles.airframe import Airframe, AirframeError, CameraMount
 
@@ -62,7 +63,7 @@ def _changed(
         raise AirframeError(
             f"camera {option!r}: z is {z:g}; valid: above the ground, more than {ground_m:g} m"
         )
-    angles = {
+    angles: dict[str, Any] = {
         field: math.radians(numbers[key])
         for key, field in (
             ("fov", "vertical_fov_rad"),

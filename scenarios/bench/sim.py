@@ -119,10 +119,9 @@ def _fly(
     """Take off and fly a square with two clients listening; only the flight is timed."""
     bench_cfg = TestbenchCfg(vehicle=cfg.vehicle, speed="max")
     with Clients(2) as clients, ExitStack() as stack:
-        gcs, sdk = (
-            UdpLink(local_port=0, remote_port=port, profile=profile)
-            for port, profile in zip(clients.ports, ("normal", "onboard"), strict=True)
-        )
+        gcs_port, sdk_port = clients.ports
+        gcs = UdpLink(local_port=0, remote_port=gcs_port, profile="normal")
+        sdk = UdpLink(local_port=0, remote_port=sdk_port, profile="onboard")
         bench = Testbench(scene, bench_cfg, has_network=False, links=[(gcs, sdk)])
         stack.enter_context(bench)
         take_off(bench)

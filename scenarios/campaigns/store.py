@@ -202,7 +202,7 @@ def _visible(table: pa.Table) -> pa.Table:
     """Return the table with control characters in its texts replaced; a folder may be anybody's."""
     for number, field in enumerate(table.schema):
         if field.type == _TEXT:
-            tame = pc.replace_substring_regex(  # pyright: ignore[reportAttributeAccessIssue]
+            tame = pc.replace_substring_regex(  # pyrefly: ignore[missing-attribute]
                 table[field.name], pattern=_OBEYED, replacement="\N{REPLACEMENT CHARACTER}"
             )
             table = table.set_column(number, field, tame)

@@ -90,7 +90,7 @@ def ask_model(
     """
     address = chat.address
     # Temperature 0, so that the same question gets the same answer as far as the server allows.
-    plain = {"model": chat.model, "temperature": 0, "messages": messages}
+    plain: dict[str, Any] = {"model": chat.model, "temperature": 0, "messages": messages}
     if schema is not None:
         name, shape = schema
         wanted = {"type": "json_schema", "json_schema": {"name": name, "schema": shape}}

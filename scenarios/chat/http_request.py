@@ -32,7 +32,7 @@ class _Exchange:
     """One request with its result."""
 
     connection: http.client.HTTPConnection
-    socket: socket.socket | None = None
+    sock: socket.socket | None = None
     """Kept here, because the connection forgets it once the answer has begun."""
     found: list[Answer | Exception] = field(default_factory=list)
 
@@ -40,7 +40,7 @@ class _Exchange:
         try:
             with closing(self.connection):
                 self.connection.connect()
-                self.socket = self.connection.sock
+                self.sock = self.connection.sock
                 self.connection.request("POST", path, body=body, headers=dict(headers))
                 with closing(self.connection.getresponse()) as response:
                     self.found.append(Answer(response.status, response.read(MOST_BYTES + 1)))
@@ -49,9 +49,9 @@ class _Exchange:
 
     # Shutting the socket down wakes a thread that waits in `read`; closing it would not.
     def cut(self) -> None:
-        if self.socket is not None:
+        if self.sock is not None:
             with contextlib.suppress(OSError):  # It may have ended by itself.
-                self.socket.shutdown(socket.SHUT_RDWR)
+                self.sock.shutdown(socket.SHUT_RDWR)
 
 
 def posted(

@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -173,7 +174,7 @@ class Drawer:
 
     def _keep(self, number: int, facts: DrawFacts, scenes: dict[str, Scene]) -> None:
         stem = self._stem(number)
-        features = {}
+        features: dict[str, Any] = {}
         for stage, scene in scenes.items():
             write_scene(scene, stem.with_suffix(f".{stage}.json.gz"))
             pictures: Sequence[Picture] = self._camera.pictures(scene)

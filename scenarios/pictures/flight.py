@@ -11,7 +11,7 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -154,6 +154,11 @@ def _explain(axes: Axes, story: FlightStory, corner: Corner) -> None:
             Line2D([], [], color=style.AREA, label=f"{story.area.kind} area {story.area.id}")
         )
     symbols = [("o", "start"), *([("*", "touchdown point")] if story.touchdown_enu_m else [])]
-    looks = {"color": "white", "markeredgecolor": style.INK, "linestyle": "none", "markersize": 9}
+    looks: dict[str, Any] = {
+        "color": "white",
+        "markeredgecolor": style.INK,
+        "linestyle": "none",
+        "markersize": 9,
+    }
     shown += [Line2D([], [], marker=marker, label=words, **looks) for marker, words in symbols]
     axes.legend(handles=shown, loc=corner, fontsize=9, framealpha=0.85, edgecolor=style.RULE)

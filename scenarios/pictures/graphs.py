@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jaxtyping import Float
@@ -44,7 +44,7 @@ def draw_profile(
     low = min(float(np.nanmin(np.append(below_m, height_m))), float(height_m.min())) - 0.5
     high = float(height_m.max()) + _HEADROOM_M
     # Steps, because surfaces below are flat boxes and not slopes between two samples.
-    solid = {"linewidth": 0, "step": "mid"}
+    solid: dict[str, Any] = {"linewidth": 0, "step": "mid"}
     axes.fill_between(time_s, low, below_m, color="#a39382", label="below", **solid)
     if (above_m < high).any():
         axes.fill_between(time_s, above_m, high, color="#c9ced4", label="overhead", **solid)

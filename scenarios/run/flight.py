@@ -227,6 +227,6 @@ class Flight:
             real_time_factor=round(sim_s / wall_s, 2),
             state_hash=self.log.state_hash(),
             recording=recording,
-            lockstep=external and asdict(external.exchanges),
+            lockstep=None if external is None else asdict(external.exchanges),
             **measured,
         )

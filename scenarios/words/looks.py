@@ -44,7 +44,7 @@ def colours_of(obj: SceneObject) -> Mapping[str, float]:
         whole_m2 += area_m2
         name = solid.material.removeprefix("plaster_").removeprefix("facade_")
         if (word := COLOUR_WORDS.get(name)) is not None:
-            areas_m2[word] += area_m2  # pyright: ignore[reportArgumentType]
+            areas_m2[word] += area_m2  # pyrefly: ignore[unsupported-operation]
     return {word: area_m2 / whole_m2 for word, area_m2 in areas_m2.most_common()}
 
 

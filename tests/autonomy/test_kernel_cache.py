@@ -2,6 +2,7 @@
 
 import logging
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -82,6 +83,34 @@ def test_the_named_folder_keeps_all_kernels(tmp_path):
     assert said == []
     assert {path.name for path in cache.iterdir()} == {"kernels"}
     assert len(list(cache.rglob("*.nbi"))) == 2
+
+
+def test_a_copy_of_our_packages_finds_the_code_that_another_has_compiled(tmp_path):
+    """For example a fresh clone, in which tests would wait for two minutes of compilation."""
+    ask = (
+        "from autonomy import rotation;"
+        "rotation.wrap_angle(1.0);"
+        "print(rotation.__file__, len(rotation.wrap_angle.stats.cache_hits))"
+    )
+    environment = {"PATH": os.environ["PATH"], "AEROSCENE_CACHE_DIR": str(tmp_path / "cache")}
+    for place, n_hits in (("here", 0), ("there", 1), ("elsewhere", 0)):
+        copy = tmp_path / place / "autonomy"
+        copy.mkdir(parents=True)
+        (copy / "__init__.py").write_text("")
+        for name in ("jit", "kernel_cache", "rotation"):
+            shutil.copy(ROOT / "autonomy" / f"{name}.py", copy)
+        if place == "elsewhere":
+            source = (copy / "rotation.py").read_text()
+            (copy / "rotation.py").write_text(f"{source}\n# changed\n")
+        done = subprocess.run(
+            [sys.executable, "-c", ask],
+            env=environment | {"PYTHONPATH": str(copy.parent)},
+            cwd=copy.parent,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert done.stdout.split() == [str(copy / "rotation.py"), str(n_hits)]
 
 
 def test_a_warm_cache_is_read_where_nothing_can_be_written(tmp_path, monkeypatch, spoken, caplog):

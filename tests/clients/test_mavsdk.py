@@ -2,16 +2,18 @@
 
 import pytest
 
+from tests.thorough import THOROUGH
+
 pytestmark = pytest.mark.timeout(150)
 
 
 @pytest.mark.parametrize(
     "script",
     [
-        "grpc_takeoff_and_land.py",
+        pytest.param("grpc_takeoff_and_land.py", marks=THOROUGH),
         "grpc_goto.py",
         "grpc_mission.py",
-        "grpc_offboard_position.py",
+        pytest.param("grpc_offboard_position.py", marks=THOROUGH),  # examples do it too
         "grpc_offboard_velocity.py",
         "grpc_shell.py",
     ],

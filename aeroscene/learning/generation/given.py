@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -120,7 +121,7 @@ class PlacedPart:
         kinds, shapes = list(program.kinds), list(program.shapes)
         for token, place in self.place_of.items():
             kinds[place], shapes[place] = given.kinds[token], given.shapes[token]
-        arrays: dict[str, np.ndarray] = {}
+        arrays: dict[str, Any] = {}
         for name in ("member", "host", "channels", "references"):
             arrays[name] = getattr(program, name).copy()
             arrays[name][places] = getattr(given, name)[own]

@@ -114,8 +114,10 @@ def write_state(
 def _head(training: PartTraining) -> PartHead:
     best = training.best
     # Step 0 means that nothing was measured yet.
-    looked = {"best_step": best.step, "best_loss": best.loss} if best.step else {}
-    return PartHead(step=training.step, seconds=training.seconds, **looked)
+    best_loss = best.loss if best.step else None
+    return PartHead(
+        step=training.step, seconds=training.seconds, best_step=best.step, best_loss=best_loss
+    )
 
 
 def _tensors(training: PartTraining) -> dict[str, Tensor]:

@@ -133,8 +133,8 @@ def object_primitives(obj: SceneObject) -> tuple[Primitive, ...]:
         primitives.append(
             Primitive(
                 kind=part.kind,
-                position_enu_m=position,  # pyright: ignore[reportArgumentType]
-                quat_wxyz=quat_product(box.q, part.quat_wxyz),  # pyright: ignore[reportArgumentType]
+                position_enu_m=position,
+                quat_wxyz=quat_product(box.q, part.quat_wxyz),  # pyrefly: ignore[bad-argument-type]
                 size_m=part.size_m,
                 material=part.material,
                 object_id=obj.id,

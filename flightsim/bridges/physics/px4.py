@@ -176,8 +176,8 @@ class Px4Bridge:
             time_us, flags, *controls, mode = _ANSWER.unpack(payload)
             self._take(time_us, flags, controls, mode)
             return
-        message: Any
-        for message in self._parser.parse_buffer(data) or ():
+        messages: list[Any] = self._parser.parse_buffer(data) or []
+        for message in messages:
             if message.get_type() == _ANSWER.name:
                 self._take(message.time_usec, message.flags, message.controls, message.mode)
             elif message.get_type() == "BAD_DATA":

@@ -9,12 +9,12 @@ would otherwise decide in silence.
 
 from __future__ import annotations
 
+import datetime as dt
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from datetime import date
 from types import MappingProxyType
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 
@@ -60,7 +60,7 @@ class Weather:
 
     time: str = "afternoon"
     """A name of `TIMES`, or local mean solar time as HH:MM."""
-    date: date | None = None
+    date: dt.date | None = None
     """Date; None for the middle of the season."""
     sky: Sky = "fair"
     visibility_m: float | None = None
@@ -97,7 +97,7 @@ def parse_weather(text: str, season: Season = "summer") -> Weather:
         raise WeatherError(f"season {season!r} is unknown; valid: {', '.join(get_args(Season))}")
     if len(text) > _MOST_TEXT:
         raise WeatherError(f"light has {len(text)} characters; valid: at most {_MOST_TEXT}")
-    found: dict[str, object] = {}
+    found: dict[str, Any] = {}
     for term in filter(None, (part.strip().lower() for part in text.split(","))):
         field, value = _read(term)
         if field in found:
@@ -110,7 +110,7 @@ def parse_weather(text: str, season: Season = "summer") -> Weather:
                 "valid: overcast, or no word for the sky"
             )
         found["sky"] = "overcast"
-    return replace(Weather(season=season), **found)  # pyright: ignore[reportArgumentType]
+    return replace(Weather(season=season), **found)
 
 
 def draw_weather(rng: np.random.Generator, season: Season = "summer") -> Weather:
@@ -129,7 +129,7 @@ def draw_weather(rng: np.random.Generator, season: Season = "summer") -> Weather
     visibility_m = None
     if rng.random() < 0.3:
         visibility_m = float(round(10 ** rng.uniform(1.9, 3.5), -1))
-    return Weather(time, None, sky, visibility_m, falling, season)  # pyright: ignore[reportArgumentType]
+    return Weather(time, None, sky, visibility_m, falling, season)  # pyrefly: ignore[bad-argument-type]
 
 
 def _read(term: str) -> tuple[str, object]:
@@ -151,7 +151,7 @@ def _read(term: str) -> tuple[str, object]:
         return _WORDS[term]
     else:
         try:
-            return "date", date.fromisoformat(term)
+            return "date", dt.date.fromisoformat(term)
         except ValueError:
             pass
     raise WeatherError(f"light: {term!r} is unknown; valid: {_VALID}")

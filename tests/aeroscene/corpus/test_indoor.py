@@ -50,7 +50,7 @@ def indoor(request: pytest.FixtureRequest) -> Scene:
 def _room(kind: str, x0: float, y0: float, x1: float, y1: float, role: str = "room") -> Zone:
     return Zone(
         kind=kind,
-        role=role,  # pyright: ignore[reportArgumentType]
+        role=role,
         x0=x0,
         y0=y0,
         x1=x1,

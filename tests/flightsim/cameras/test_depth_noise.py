@@ -121,7 +121,7 @@ def test_an_exact_camera_has_no_errors_and_an_unknown_one_is_refused():
     assert depth_noise("exact", 0, "42") is None
     assert depth_noise("d455", 0, "42") is not None
     with pytest.raises(DepthNoiseError, match="'kinect' is unknown; valid: exact, d435, d455"):
-        depth_noise("kinect", 0, "42")  # pyright: ignore[reportArgumentType]
+        depth_noise("kinect", 0, "42")
 
 
 @pytest.mark.parametrize(("field", "value"), [("baseline_m", 0.0), ("window_px", 2)])

@@ -11,6 +11,7 @@ import psutil
 import pytest
 
 from tests.instances import own_instance
+from tests.thorough import THOROUGH
 
 SITL = "import sys; from scenarios.cli.entry import aeroscene_sitl; sys.exit(aeroscene_sitl())"
 AEROSCENE = "import sys; from scenarios.cli.entry import aeroscene; sys.exit(aeroscene())"
@@ -76,7 +77,10 @@ def test_output_that_is_not_read_to_its_end_leaves_no_traceback():
         assert process.stderr.read() == ""
 
 
-@pytest.mark.parametrize("after_s", [0.2, 0.5, 0.9, 1.4, 2.0])
+@pytest.mark.parametrize(
+    "after_s",
+    [0.2, pytest.param(0.5, marks=THOROUGH), 0.9, pytest.param(1.4, marks=THOROUGH), 2.0],
+)
 def test_ctrl_c_while_starting_ends_without_a_word_and_leaves_nothing(tmp_path, after_s):
     record = str(tmp_path / "x.rrd")
     args = ["--demo", "--viewer", "web", "--record", record, "--instance", str(own_instance())]

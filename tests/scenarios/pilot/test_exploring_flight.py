@@ -13,6 +13,7 @@ from scenarios.pilot import Phase, Pilot, PilotCfg
 from scenarios.trials.figures import Goal
 from scenarios.trials.flight_log import FlightLog
 from tests.scenarios.landing_scenes import ON_CONTAINER, yard
+from tests.thorough import THOROUGH
 
 KINDS = {
     "sure": TestbenchCfg(speed="max"),
@@ -45,7 +46,9 @@ def fly(cfg, prepare=None, *, expects_traffic=False):
     return pilot, score
 
 
-@pytest.mark.parametrize("kind", ["a poor receiver", "a camera that errs"])
+@pytest.mark.parametrize(
+    "kind", [pytest.param("a poor receiver", marks=THOROUGH), "a camera that errs"]
+)
 def test_a_container_that_nobody_told_of_is_seen_and_landed_on(kind):
     cfg = KINDS[kind]
     pilot, score = fly(cfg)

@@ -16,6 +16,7 @@ from tests.aeroscene.layouts.samples import (
     write_lines,
 )
 from tests.instances import own_instance
+from tests.thorough import THOROUGH
 
 FILES = {
     "house": lambda folder: f"{write_lines(folder / 'l.jsonl', block(), house())}#1",
@@ -25,7 +26,10 @@ FILES = {
 }
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize(
+    "name",
+    ["house", "authors", *(pytest.param(each, marks=THOROUGH) for each in ("block", "3D-FRONT"))],
+)
 def test_a_layout_is_flown_and_landed_in(tmp_path, name):
     vehicle = "hummingbird" if name == "house" else "iris"
     bench = TestbenchCfg(vehicle=vehicle, speed="max", instance=own_instance())

@@ -7,10 +7,15 @@ import pytest
 from aeroscene.sources import load_scene
 from tests.instances import own_instance
 from tests.scenarios.in_process import in_process
+from tests.thorough import THOROUGH
 
 
 @pytest.mark.parametrize(
-    "options", [(), ("--wind", "4", "--vehicle", "hummingbird", "--seed", "3")]
+    "options",
+    [
+        pytest.param((), marks=THOROUGH),
+        ("--wind", "4", "--vehicle", "hummingbird", "--seed", "3"),
+    ],
 )
 def test_the_demo_lands_in_a_scene_with_hills(capsys, options):
     args = ("sitl", "hills", "--demo", "--speed", "max", "--json", "--instance", own_instance())
