@@ -14,7 +14,7 @@ import numpy as np
 
 from flightsim.cameras.view import Viewpoint
 from flightsim.looks.geom_groups import GeomGroup
-from flightsim.looks.sky import sky_rgb
+from flightsim.looks.sky import fill_sky
 from flightsim.world import World
 
 _CONTRAST = 0.02
@@ -47,11 +47,8 @@ class Air:
             view: Viewpoint of the picture.
             time_us: Time of the picture, which places the drops.
         """
-        height, width = depth_m.shape
-        rows, columns = np.nonzero(np.isinf(depth_m))
-        if len(rows):
-            rays = view.rays_enu_at(rows, columns, width, height)
-            rgb[rows, columns] = sky_rgb(rays, self._light.sky)
+        turn, focal_px = view.rotation_enu_from_optical, view.focal_px(len(depth_m))
+        fill_sky(rgb, depth_m, turn, focal_px, self._light.sky)
         if self._light.visibility_m is not None:
             rgb[:] = self.hazed(rgb.astype(np.float32), depth_m, view, 255.0)
         self.let_fall(rgb, depth_m, view, time_us)
@@ -110,9 +107,12 @@ class Air:
                 radius = max(1, round(_SNOW_RADIUS * height * share))
                 cv2.circle(cover, (round(x), round(y)), radius, 255, -1, cv2.LINE_AA)
             alpha = _SNOW_ALPHA
-        share = (alpha / 255) * cover.astype(np.float32)[..., None]
+        # Few pixels have a drop before them, and the others stay as they are.
+        rows, columns = np.nonzero(cover)
+        share = (alpha / 255) * cover[rows, columns].astype(np.float32)[:, None]
         colour = 255.0 * np.minimum(1.0, self._light.rgb(np.array([0.7]))[0]).astype(np.float32)
-        rgb[:] = (rgb + share * (colour - rgb) + 0.5).astype(np.uint8)
+        behind = rgb[rows, columns]
+        rgb[rows, columns] = (behind + share * (colour - behind) + 0.5).astype(np.uint8)
 
     def _is_under_roof(self, view: Viewpoint) -> bool:
         """Return True if something of the scene is above the eye."""

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from flightsim.cameras.depth_noise import DepthNoise
+from flightsim.cameras.optics import CameraMotion, Optics
 from flightsim.cameras.renderer import CameraRenderer, open_camera_renderer
 from flightsim.cameras.segmentation import Classes
 from flightsim.cameras.view import PosedDepth, RgbdFrame
@@ -33,6 +34,7 @@ class Cameras:
         height_px: int = HEIGHT_PX,
         depth_noise: DepthNoise | None = None,
         segments: bool = False,
+        optics: Optics | None = None,
         renderer: CameraRenderer | None = None,
     ) -> None:
         """Open a renderer.
@@ -44,6 +46,7 @@ class Cameras:
             depth_noise: Errors of depth; None measures it exactly.
             segments: True gives frames the object and the class of each pixel, exactly; they are
                 drawn in a second pass.
+            optics: Lens and sensor of the colours; None leaves them as they are drawn.
             renderer: Renderer of the same world to use, which stays open and has its own size; None
                 opens one.
 
@@ -52,6 +55,7 @@ class Cameras:
         """
         self._plant = plant
         self._depth_noise = depth_noise
+        self._optics = optics
         self._classes = Classes(plant.world) if segments else None
         self._is_ours = renderer is None
         self._renderer = renderer or open_camera_renderer(plant.world, width_px, height_px)
@@ -77,6 +81,9 @@ class Cameras:
         if latest is not None and latest.time_us == self._plant.time_us:
             return latest
         frame = self._renderer.render(self._plant.data, camera, self._plant.time_us)
+        # From exact depth, by which the shutter moves pixels.
+        if self._optics is not None:
+            frame = self._optics.frame(frame, CameraMotion.of(frame, self._plant.truth))
         # Errors of depth are added once to each frame, so that all listeners get the same image.
         if self._depth_noise is not None:
             frame = self._depth_noise.frame(frame)

@@ -18,7 +18,6 @@ from flightsim.world import World
 
 SAMPLES = 2
 """Samples per pixel along each axis."""
-_HAZE_M = 2500.0  # distance at which haze hides two thirds of a colour
 _MIN_OPACITY = 0.5  # discs of spinning rotors are more transparent, and are left out
 _ONE_SURFACE = 1.1
 """Depth ratio up to which samples of a pixel are on one surface."""
@@ -55,8 +54,6 @@ class FineLight:
         rays = view.rays_enu(width, height)
         seen = self._light.light(view.position_enu_m, rays, moving_enu_m)
         rgb = colours * seen.rgb
-        haze = (1.0 - np.exp(-np.where(np.isfinite(depth_m), depth_m, 0.0) / _HAZE_M))[..., None]
-        rgb += haze * (np.array(self._sky.horizon_rgb, dtype=np.float32) - rgb)
         is_sky = np.isinf(depth_m)
         towards = rays[is_sky]
         towards = towards / np.linalg.norm(towards, axis=1, keepdims=True)

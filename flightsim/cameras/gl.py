@@ -3,6 +3,12 @@
 MuJoCo itself culls nothing: while the scene is gathered, geoms whose bounding sphere is outside the
 view are moved to an invisible group. Each kind of picture has a stage of its own, whose model suits
 it: images of depth alone need no textures, which cost more than everything else.
+
+Layers of light, which are shadows and pools of lamplight, have colours but no depth: MuJoCo draws
+translucent geoms after all others and without depth, and the layers are translucent enough to count
+as such. The discs of rotors are translucent too, and MuJoCo would draw some of them before a layer
+that lies behind them. While a disc is in view, layers are therefore drawn opaque, and depth is
+drawn apart.
 """
 
 from __future__ import annotations
@@ -27,6 +33,7 @@ from flightsim.cameras.view import (
     Viewpoint,
     look_at,
 )
+from flightsim.looks.drawing import LAYER_OPACITY
 from flightsim.looks.geom_groups import GeomGroup
 from flightsim.looks.surfaces import BARE, FAST, FINE
 from flightsim.world import World
@@ -35,6 +42,8 @@ from flightsim.world import World
 _SPARE_GEOMS = 16
 _Kind = Literal["fast", "fine", "depth", "ids"]
 """Kind of picture that a stage draws."""
+_TRANSLUCENT_BELOW = 0.995
+"""Opacity below which MuJoCo draws a geom after the others and without depth."""
 _LEVEL = 1e-6
 """Sine of a roll that no picture shows."""
 _ID_FLAGS = (mujoco.mjtRndFlag.mjRND_SEGMENT, mujoco.mjtRndFlag.mjRND_IDCOLOR)
@@ -63,13 +72,13 @@ class GlCameraRenderer:
         """Return a frame of an on-board camera; see `CameraRenderer`."""
         stage = self._stage("fast")
         stage.poses.update(data)
-        return self._aboard(stage, stage.poses.viewpoint(camera_name), time_us)
+        return self._fast(stage, stage.poses.viewpoint(camera_name), time_us, has_vehicle=False)
 
     def render_from(self, data: mujoco.MjData, view: Viewpoint, time_us: int) -> RgbdFrame:
         """Return a frame from a viewpoint; see `CameraRenderer`."""
         stage = self._stage("fast")
         stage.poses.update(data)
-        return self._aboard(stage, view, time_us)
+        return self._fast(stage, view, time_us, has_vehicle=False)
 
     def render_depth(self, data: mujoco.MjData, camera_name: str, time_us: int) -> PosedDepth:
         """Return depth alone; see `CameraRenderer`.
@@ -79,7 +88,7 @@ class GlCameraRenderer:
         stage = self._stage("depth")
         stage.poses.update(data)
         view = stage.poses.viewpoint(camera_name)
-        return view.depth_frame(time_us, stage.draw_depth(view))
+        return view.depth_frame(time_us, stage.draw_depth(view, has_vehicle=False))
 
     def render_ids(self, data: mujoco.MjData, camera_name: str) -> np.ndarray:
         """Return object ids; see `CameraRenderer`.
@@ -114,15 +123,20 @@ class GlCameraRenderer:
         view = look_at(eye_enu_m, target_enu_m, vertical_fov_rad)
         stage = self._stage(quality)
         stage.poses.update(data)
-        rgb, depth_m = stage.draw(view, has_vehicle=True)
         time_us = round(data.time * 1e6)
         if quality == "fine":
+            rgb, depth_m = stage.draw(view, has_vehicle=True)
             return self._lit(view, time_us, rgb, depth_m, stage)
-        self._air.paint(rgb, depth_m, view, time_us)
-        return view.frame(time_us, rgb, depth_m)
+        return self._fast(stage, view, time_us, has_vehicle=True)
 
-    def _aboard(self, stage: _Stage, view: Viewpoint, time_us: int) -> RgbdFrame:
-        rgb, depth_m = stage.draw(view, has_vehicle=False)
+    def _fast(
+        self, stage: _Stage, view: Viewpoint, time_us: int, *, has_vehicle: bool
+    ) -> RgbdFrame:
+        rgb, depth_m = stage.draw(view, has_vehicle=has_vehicle)
+        if stage.has_opaque_layers:
+            bare = self._stage("depth")
+            bare.poses.update(stage.poses.data)
+            depth_m = bare.draw_depth(view, has_vehicle=has_vehicle)
         self._air.paint(rgb, depth_m, view, time_us)
         return view.frame(time_us, rgb, depth_m)
 
@@ -178,7 +192,12 @@ def _drawn_model(world: World, kind: _Kind) -> mujoco.MjModel:
 
 
 class _Stage:
-    """A model with its poses, scene and buffer for drawing."""
+    """A model with its poses, scene and buffer for drawing.
+
+    Attributes:
+        has_opaque_layers: True if the last picture has layers of light in its depth, because a disc
+            was in view.
+    """
 
     def __init__(self, world: World, kind: _Kind, width: int, height: int) -> None:
         self._model = model = _drawn_model(world, kind)
@@ -190,6 +209,9 @@ class _Stage:
         self.target = GlTarget(model, width, height)
         self._scene = mujoco.MjvScene(model, maxgeom=model.ngeom + _SPARE_GEOMS)
         self._option = mujoco.MjvOption()
+        self.has_opaque_layers = False
+        self._is_layer_paint = model.mat_rgba[:, 3] == np.float32(LAYER_OPACITY)
+        self._is_disc = (model.geom_matid < 0) & (model.geom_rgba[:, 3] < _TRANSLUCENT_BELOW)
         self._camera = mujoco.MjvCamera()
         # Clip planes in metres, as MuJoCo computes them.
         self._near_m = float(model.vis.map.znear * model.stat.extent)
@@ -208,9 +230,9 @@ class _Stage:
         rgb, buffer = self.target.read(self._scene)
         return rgb, self._depth_m(buffer)
 
-    def draw_depth(self, view: Viewpoint) -> np.ndarray:
-        """Return the depth of `draw` without the vehicle."""
-        self._arrange(view, has_vehicle=False)
+    def draw_depth(self, view: Viewpoint, *, has_vehicle: bool) -> np.ndarray:
+        """Return the depth of `draw`."""
+        self._arrange(view, has_vehicle=has_vehicle)
         return self._depth_m(self.target.read_depth(self._scene))
 
     def _arrange(self, view: Viewpoint, *, has_vehicle: bool) -> None:
@@ -220,7 +242,12 @@ class _Stage:
         groups[:] = 0
         groups[GeomGroup.SCENE] = groups[GeomGroup.DECOR] = groups[GeomGroup.MOVING] = 1
         groups[GeomGroup.VEHICLE_LOOKS] = has_vehicle
-        self._gather(view)
+        is_in_view = self._in_view(view)
+        is_disc = self._is_disc & is_in_view & (groups[self._model.geom_group] > 0)
+        self.has_opaque_layers = bool(is_disc.any() and self._is_layer_paint.any())
+        opacity = 1.0 if self.has_opaque_layers else LAYER_OPACITY
+        self._model.mat_rgba[self._is_layer_paint, 3] = opacity
+        self._gather(view, is_in_view)
         # MuJoCo resets these flags after each picture.
         for flag in _ID_FLAGS:
             self._scene.flags[flag] = self._is_ids
@@ -262,12 +289,12 @@ class _Stage:
         self._camera.elevation = math.degrees(math.asin(max(-1.0, min(1.0, forward[2]))))
         self._camera.azimuth = math.degrees(math.atan2(right[0], -right[1]))
 
-    def _gather(self, view: Viewpoint) -> None:
+    def _gather(self, view: Viewpoint, is_in_view: np.ndarray) -> None:
         """Fill MuJoCo's scene from the model; a free camera's field of view is the model's."""
         groups = self._model.geom_group
         saved_groups, saved_fov = groups.copy(), self._model.vis.global_.fovy
         self._model.vis.global_.fovy = math.degrees(view.vertical_fov_rad)
-        groups[~self._in_view(view)] = GeomGroup.CULLED
+        groups[~is_in_view] = GeomGroup.CULLED
         try:
             mujoco.mjv_updateScene(
                 self._model,

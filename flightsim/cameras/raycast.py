@@ -64,8 +64,9 @@ class RaycastCameraRenderer:
         light = world.light
         mesh = drawn_mesh(world.scene, world.solids, FAST, light)
         solids = (*world.solids, *neighbours_of(world.scene))
-        mesh = lit(mesh, solids, world.scene.relief, light)
-        self._fast = _Stage(mesh, _far_m(world.model), light, is_lit=True)
+        whole = lit(mesh, solids, world.scene.relief, light)
+        far_m = _far_m(world.model)
+        self._fast = _Stage(whole.surfaces, far_m, light, is_lit=True, layers=whole.layers)
         self._air = Air(world)
         self._fine: tuple[_Stage, FineLight] | None = None
         self._ids: _Ids | None = None
@@ -172,17 +173,34 @@ class RaycastCameraRenderer:
 class _Stage:
     """A painted mesh, and how far it is drawn."""
 
-    def __init__(self, mesh: WorldMesh, far_m: float, light: Light, *, is_lit: bool) -> None:
+    def __init__(
+        self,
+        mesh: WorldMesh,
+        far_m: float,
+        light: Light,
+        *,
+        is_lit: bool,
+        layers: WorldMesh | None = None,
+    ) -> None:
         self._mesh = PaintedMesh(mesh, light, is_lit=is_lit)
+        has_layers = layers is not None and len(layers.triangles) > 0
+        self._layers = PaintedMesh(layers, light, is_lit=is_lit) if has_layers else None
         self._far_m = far_m
 
     def cast(self, view: Viewpoint, width: int, height: int) -> _Picture:
         """Return the first hits of unit-depth rays through all pixels."""
+        eye, focal_px = view.position_enu_m, view.focal_px(height)
         rays = view.rays_enu(width, height).reshape(-1, 3)
-        hits = self._mesh.hits(view.position_enu_m, rays).within(self._far_m)
+        hits = self._mesh.hits(eye, rays).within(self._far_m)
         rgb = np.zeros((len(rays), 3), dtype=np.float32)
-        met, colours = self._mesh.colours(hits, view.focal_px(height))
+        met, colours = self._mesh.colours(hits, focal_px)
         rgb[met] = colours
+        if self._layers is not None:
+            # Layers lie just before their surfaces, and only colours have them.
+            met, colours = self._layers.colours(
+                self._layers.hits(eye, rays).within(hits.distance), focal_px
+            )
+            rgb[met] = colours
         return _Picture(hits.distance.astype(np.float32), rgb)
 
 

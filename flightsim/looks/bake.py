@@ -3,12 +3,15 @@
 The static world and the sun never change, so light is computed once when a world is drawn first.
 Large flat faces get shadows with exact edges, laid over them as triangles; small and round ones are
 shaded by vertex.
+
+The triangles laid over faces are layers of light. They lie 4 mm above their faces, so that cameras
+take colours from them, but depth from the surfaces below: depth is the same in every light.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -47,13 +50,23 @@ _CIRCLE = np.linspace(0.0, 2 * np.pi, 17)[:-1]
 _DECAGON = np.linspace(0.0, 2 * np.pi, 11)[:-1]
 
 
+@dataclass(frozen=True, eq=False)
+class LitMesh:
+    """A world in some light."""
+
+    surfaces: WorldMesh
+    """The mesh with light in its normals; every vertex is where it was."""
+    layers: WorldMesh
+    """Shadows and pools of lamplight, just above the surfaces; they have colours but no depth."""
+
+
 def lit(
     mesh: WorldMesh,
     solids: Sequence[Primitive],
     relief: Relief | None = None,
     light: Light = AFTERNOON,
-) -> WorldMesh:
-    """Return the mesh with shadows on it and light in its normals.
+) -> LitMesh:
+    """Return the mesh with light in its normals, and the layers of light over it.
 
     Args:
         mesh: Mesh of the whole world, with true normals.
@@ -82,7 +95,7 @@ def lit(
     sun = _sun_at_vertices(mesh, face_of, middles, light)
     is_of_exact = np.isin(face_of, exact)
     whole = exact[shadows.is_whole]
-    # Faces with exact shadows are lit wholly here; the overlay darkens parts of them.
+    # Faces with exact shadows are lit wholly here; the layer darkens parts of them.
     sun[is_of_exact] = 1.0
     sun[np.isin(face_of, whole)] = 0.0
     number = light.surface(normals, sun, sky) * _mottling(mesh)
@@ -92,8 +105,8 @@ def lit(
     number[mesh.triangles[mesh.is_lamp()]] = _LAMP_LIGHT
     base = replace(mesh, normals_enu=light.normals(number))
     if lamps is not None:
-        return base.with_overlay(_pools(mesh, areas_m2, sky, lamps, light))
-    return base.with_overlay(_overlay(mesh, exact, shadows, sky, light))
+        return LitMesh(base, _pools(mesh, areas_m2, sky, lamps, light))
+    return LitMesh(base, _shadow_layer(mesh, exact, shadows, sky, light))
 
 
 def open_lamps(mesh: WorldMesh, solids: Sequence[Primitive], relief: Relief | None = None) -> Lamps:
@@ -253,7 +266,7 @@ def _terminator(half_m: np.ndarray, turn: np.ndarray, sun_direction: Direction) 
     return (circle * half_m) @ turn.T
 
 
-def _overlay(
+def _shadow_layer(
     mesh: WorldMesh, exact: np.ndarray, shadows: Shadows, sky: np.ndarray, light: Light
 ) -> WorldMesh:
     """Shadows as triangles in the paint of the faces below them."""

@@ -31,6 +31,12 @@ from flightsim.looks.weathering import weathered
 
 _FAR_EXTENTS = 12.0
 """Far clip plane of cameras, in multiples of half the extent's diagonal."""
+LAYER_OPACITY = 0.99
+"""Opacity of layers of light.
+
+MuJoCo draws what is less opaque than 0.995 after everything else, twice, and without depth. After
+two times all but a ten-thousandth of the colour below is gone, which is no step of an image.
+"""
 
 
 def set_view(spec: mujoco.MjSpec, scene: Scene, light: Light = AFTERNOON) -> None:
@@ -95,18 +101,27 @@ def add_looks(
         detail: Detail of round shapes, and light and textures of the skins.
         light: Sun, sky, season and weather.
     """
-    mesh = drawn_mesh(scene, primitives, detail, light)
+    mesh, layers = drawn_mesh(scene, primitives, detail, light), None
     if detail.has_light:
         # Imported here, because polygons and rays load only when someone draws.
         from flightsim.looks.bake import lit
 
-        mesh = lit(mesh, (*primitives, *neighbours_of(scene)), scene.relief, light)
+        whole = lit(mesh, (*primitives, *neighbours_of(scene)), scene.relief, light)
+        mesh, layers = whole.surfaces, whole.layers
     materials: dict[Paint, str] = {}
+    # Skins of surfaces come first and without the layers, whose number varies with the light:
+    # another division into skins would round depth differently.
     for index, skin in enumerate(skins(mesh)):
         if skin.paint not in materials:
             materials[skin.paint] = f"paint{len(materials)}"
             _add_material(spec, materials[skin.paint], skin.paint, detail, light)
-        _add_skin(spec, f"skin{index}", skin, materials[skin.paint])
+        _add_skin(spec, f"skin{index}", skin, materials[skin.paint], GeomGroup.SCENE)
+    of_layers: dict[Paint, str] = {}
+    for index, skin in enumerate(skins(layers) if layers is not None else ()):
+        if skin.paint not in of_layers:
+            of_layers[skin.paint] = f"{materials[skin.paint]}_layer"
+            _add_layer_material(spec, of_layers[skin.paint], materials[skin.paint])
+        _add_skin(spec, f"layer{index}", skin, of_layers[skin.paint], GeomGroup.DECOR)
 
 
 def drawn_mesh(
@@ -160,7 +175,21 @@ def _add_material(
     surface.rgba = (1.0, 1.0, 1.0, 1.0)
 
 
-def _add_skin(spec: mujoco.MjSpec, name: str, skin: Skin, material: str) -> None:
+def _add_layer_material(spec: mujoco.MjSpec, name: str, surface: str) -> None:
+    """Add the material of layers that lie on surfaces of another material."""
+    below = spec.material(surface)
+    red, green, blue, _ = below.rgba
+    layer = spec.add_material(
+        name=name,
+        rgba=(red, green, blue, LAYER_OPACITY),
+        specular=0.0,
+        reflectance=0.0,
+        emission=below.emission,
+    )
+    layer.textures = below.textures
+
+
+def _add_skin(spec: mujoco.MjSpec, name: str, skin: Skin, material: str, group: GeomGroup) -> None:
     faces = skin.triangles.astype(np.int32).ravel()
     spec.add_mesh(
         name=name,
@@ -180,5 +209,5 @@ def _add_skin(spec: mujoco.MjSpec, name: str, skin: Skin, material: str) -> None
         material=material,
         contype=0,
         conaffinity=0,
-        group=int(GeomGroup.SCENE),
+        group=int(group),
     )

@@ -13,7 +13,8 @@ class GeomGroup(IntEnum):
     VEHICLE_LOOKS = 1
     """Appearance of the vehicle, massless and without contacts."""
     DECOR = 2
-    """Glazing, foliage and paint without contacts, seen by cameras only."""
+    """Seen by cameras only: glazing, foliage and paint without contacts, and in drawing models the
+    layers of light."""
     VEHICLE_SHAPE = 3
     """Collision shape of the vehicle."""
     MOVING = 4

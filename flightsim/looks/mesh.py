@@ -54,21 +54,6 @@ class WorldMesh:
         """Return true for triangles that emit light."""
         return np.array([paint.is_lamp for paint in self.paints], dtype=bool)[self.triangle_paint]
 
-    def with_overlay(self, other: WorldMesh) -> WorldMesh:
-        """Join this mesh and another with the same paints."""
-        first = len(self.vertices_enu_m)
-        return WorldMesh(
-            self.paints,
-            np.concatenate([self.vertices_enu_m, other.vertices_enu_m]),
-            np.concatenate([self.normals_enu, other.normals_enu]),
-            np.concatenate([self.texture_tiles, other.texture_tiles]),
-            np.concatenate([self.triangles, other.triangles + first]),
-            np.concatenate([self.triangle_paint, other.triangle_paint]),
-            np.concatenate([self.face_first, other.face_first + first]),
-            np.concatenate([self.face_count, other.face_count]),
-            np.concatenate([self.face_paint, other.face_paint]),
-        )
-
 
 def add_solids(
     builder: MeshBuilder,

@@ -43,8 +43,8 @@ class RayHits:
     v: Float[np.ndarray, " n"]
     """Barycentric weight of its third corner."""
 
-    def within(self, far: float) -> RayHits:
-        """Return the hits nearer than a distance; the others become misses."""
+    def within(self, far: float | Float[np.ndarray, " n"]) -> RayHits:
+        """Return the hits within a distance, or within one for each; the others become misses."""
         is_far = self.distance > far
         triangle = np.where(is_far, NOTHING, self.triangle)
         return RayHits(triangle, np.where(is_far, np.inf, self.distance), self.u, self.v)

@@ -11,6 +11,7 @@ import functools
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from autonomy.jit import kernel
 from flightsim.looks.light import AFTERNOON, SkyColours
 
 FAR_LAND_RGB = (0.60, 0.70, 0.66)
@@ -49,6 +50,72 @@ def sky_rgb(
     column = np.clip(x * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
     row = np.clip(y * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
     return _table(colours)[row, column]
+
+
+def fill_sky(
+    rgb: UInt8[np.ndarray, "h w 3"],
+    depth_m: Float[np.ndarray, "h w"],
+    rotation_enu_from_optical: Float[np.ndarray, "3 3"],
+    focal_px: float,
+    colours: SkyColours = AFTERNOON.sky,
+) -> None:
+    """Write the colour of `sky_rgb` into every pixel of a picture that shows nothing.
+
+    Args:
+        rgb: Picture, changed.
+        depth_m: Depth of its pixels, inf in the sky.
+        rotation_enu_from_optical: Attitude of the camera.
+        focal_px: Focal length in pixels.
+        colours: Colours of the sky.
+    """
+    fill_from_table(
+        rgb,
+        np.ascontiguousarray(depth_m, dtype=np.float32),
+        rotation_enu_from_optical.astype(np.float32),
+        np.float32(focal_px),
+        np.float32(_TABLE_PIXELS / 2 / _TABLE_REACH),
+        _table(colours),
+    )
+
+
+@kernel
+def fill_from_table(
+    rgb: np.ndarray,
+    depth_m: np.ndarray,
+    turn: np.ndarray,
+    focal_px: np.float32,
+    reach_px: np.float32,
+    table: np.ndarray,
+) -> None:
+    """Fill the pixels of infinite depth from a table of the sky.
+
+    Args:
+        rgb: Picture (h, w, 3) uint8, changed.
+        depth_m: Depth (h, w) float32.
+        turn: Attitude of the camera, ENU from optical (3, 3) float32.
+        focal_px: Focal length.
+        reach_px: Pixels of the table from the zenith to the horizon.
+        table: Stereographic picture of the sky (n, n, 3) uint8.
+    """
+    height, width = depth_m.shape
+    n = len(table)
+    half_px, most_px = np.float32(n / 2), np.float32(n - 1)
+    middle_row, middle_column = np.float32((height - 1) / 2), np.float32((width - 1) / 2)
+    for row in range(height):
+        down = (np.float32(row) - middle_row) / focal_px
+        for column in range(width):
+            if depth_m[row, column] != np.inf:
+                continue
+            right = (np.float32(column) - middle_column) / focal_px
+            # In the order of `Viewpoint.rays_enu` and `sky_rgb`, so that all round alike.
+            x = right * turn[0, 0] + (down * turn[0, 1] + turn[0, 2])
+            y = right * turn[1, 0] + (down * turn[1, 1] + turn[1, 2])
+            z = right * turn[2, 0] + (down * turn[2, 1] + turn[2, 2])
+            scale = reach_px / max(np.sqrt(x * x + y * y + z * z) + z, np.float32(1e-6))
+            i = int(min(max(y * scale + half_px, np.float32(0.0)), most_px))
+            j = int(min(max(x * scale + half_px, np.float32(0.0)), most_px))
+            for channel in range(3):
+                rgb[row, column, channel] = table[i, j, channel]
 
 
 def painted_sky(

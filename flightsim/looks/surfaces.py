@@ -27,8 +27,8 @@ class Detail:
 
 FAST = Detail(slices=14, stacks=8, has_light=True)
 """Detail that software rendering at camera rate affords."""
-BARE = replace(FAST, has_textures=False)
-"""The same surfaces for images of depth alone, without the cost of drawing textures."""
+BARE = replace(FAST, has_light=False, has_textures=False)
+"""The same surfaces for images of depth alone, without the cost of light and textures."""
 FINE = Detail(slices=40, stacks=24)
 """Detail of pictures, which are lit pixel by pixel."""
 

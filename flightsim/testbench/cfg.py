@@ -16,6 +16,14 @@ import numpy as np
 from aeroscene.ranges import SEEDS, Range, require_ranges
 from flightsim.autopilot.environment_parameters import wind_parameters
 from flightsim.bridges import STACKS
+from flightsim.cameras.optics import (
+    EXPOSURE_EV,
+    GAMMA,
+    NOISE_LEVELS,
+    SHUTTER_MS,
+    OpticsCfg,
+    parse_distortion,
+)
 from flightsim.environment.effects import Effects
 from flightsim.environment.traffic import TrafficCfg
 from flightsim.environment.wind import MAX_GUST_MPS, MAX_WIND_MPS, WindCfg, turbulence_mps
@@ -83,9 +91,22 @@ class TestbenchCfg:
     light: str = ""
     """Time of day and weather of camera images: terms with commas between them, such as dusk, fog
     80 m or 11:30, rain, or random, which the seed draws; by default a fair afternoon. It changes
-    colours, and depth by 4 mm at most. See docs/light.md."""
+    colours alone. See docs/light.md."""
     season: Season = "summer"
     """Season of leaves, grass and the date of the light: spring, summer, autumn or winter."""
+    camera_exposure: Annotated[float, EXPOSURE_EV] = 0.0
+    """Exposure of the cameras' colours: each unit doubles the light."""
+    camera_gamma: Annotated[float, GAMMA] = 1.0
+    """Gamma of the cameras' colours: above 1 is brighter, below is darker."""
+    camera_motion_blur: Annotated[float, SHUTTER_MS] = 0.0
+    """Time for which each pixel of the colours gathers light."""
+    camera_rolling_shutter: Annotated[float, SHUTTER_MS] = 0.0
+    """Time from the first row of the colours to the last."""
+    camera_distortion: str = "none"
+    """Distortion of the colours by the lens: K1[,K2[,P1[,P2]]] of Brown and Conrady, such as
+    -0.2,0.05. Depth and labels stay a pinhole's. See docs/sensors.md."""
+    camera_noise: Annotated[float, NOISE_LEVELS] = 0.0
+    """Noise of the cameras' colours: standard deviation of mid-grey."""
     segmentation: bool = False
     """Give frames of the cameras the object and the class of each pixel."""
     lidar: str = ""
@@ -134,7 +155,7 @@ class TestbenchCfg:
         with_cameras(airframe_by_name(self.vehicle), self.camera)
         if self.lidar:
             lidar_by_name(self.lidar)
-        _ = self.camera_size_px, self.weather
+        _ = self.camera_size_px, self.weather, self.optics
         _ = (
             self.wind_cfg,
             self.traffic_cfg,
@@ -237,6 +258,22 @@ class TestbenchCfg:
                 f"{_LEAST_PX} to {_MOST_PX} pixels, such as 640x480"
             )
         return sizes[0], sizes[1]
+
+    @property
+    def optics(self) -> OpticsCfg:
+        """Lens and sensor of the cameras' colours.
+
+        Raises:
+            OpticsError: If the distortion is invalid.
+        """
+        return OpticsCfg(
+            exposure_ev=self.camera_exposure,
+            gamma=self.camera_gamma,
+            motion_blur_ms=self.camera_motion_blur,
+            rolling_shutter_ms=self.camera_rolling_shutter,
+            distortion=parse_distortion(self.camera_distortion),
+            noise_levels=self.camera_noise,
+        )
 
     @property
     def serial_line(self) -> SerialLine | None:

@@ -258,7 +258,7 @@ class Flyer:
         row = blank_row(trial)
         recorded = self._recorded(trial)
         try:
-            task = self.task(trial)
+            task = self._lit(self.task(trial))
             row |= task.to_plain()
             row |= self._flown(task, recorded)
         except (NoTaskError, WorldError, TrafficError) as error:
@@ -278,6 +278,11 @@ class Flyer:
             row |= failure(NoFlightCode.RAISED, f"{type(cause).__name__}: {_one_line(cause)}")
         row["grade"] = grade(row)
         return row | {"trial_cpu_seconds": round(time.process_time() - began_s, 3)}
+
+    def _lit(self, task: Task) -> Task:
+        """Return the task with the light that is flown, in words, also if its seed draws it."""
+        weather = self._suite.equipment.fitted(task.cfg()).bench.weather
+        return replace(task, light=str(weather), season=weather.season)
 
     def _recorded(self, trial: Trial) -> dict[str, Any]:
         """Return the options of a run that record it; an unfinished recording is replaced."""

@@ -59,7 +59,7 @@ SCHEMA = pa.schema(
         ("openings", _WHOLE),
         *((name, _REAL) for name in ("time_limit_s", "wind_mps", "wind_from_deg", "gust_mps")),
         *((name, _TEXT) for name in ("turbulence", "traffic", "gnss", "depth_camera", "map")),
-        *((name, _TEXT) for name in ("aiding", "failures")),
+        *((name, _TEXT) for name in ("aiding", "failures", "light", "season")),
         ("navigation_limit_s", _REAL),
         *((name, _REAL) for name in ("sim_seconds", "wall_seconds", "cpu_seconds")),
         *((name, _REAL) for name in ("trial_cpu_seconds", "real_time_factor")),

@@ -19,6 +19,7 @@ from flightsim.cameras import (
     depth_noise,
     open_camera_renderer,
 )
+from flightsim.cameras.optics import Optics
 from flightsim.looks.light import Light
 from flightsim.testbench import Vehicle
 from flightsim.vehicles import Airframe
@@ -65,6 +66,7 @@ class Hangar:
         # Only then does a picture depend on nothing but scene, airframe and pose.
         is_alone = plant.world.n_vehicles == 1 and not plant.world.obstacles
         size_px = width_px, height_px = cfg.camera_size_px
+        optics = cfg.optics
         renderer = self._renderer(plant.world, size_px) if is_alone else None
         return Cameras(
             plant,
@@ -72,6 +74,7 @@ class Hangar:
             height_px=height_px,
             depth_noise=noise,
             segments=cfg.segmentation,
+            optics=None if optics.is_plain else Optics(optics, cfg.seed, name),
             renderer=renderer,
         )
 

@@ -23,6 +23,7 @@ from autonomy.types import FlatReference
 from flightsim.cameras.depth_noise import DEPTH_CAMERAS, measured_depth
 from flightsim.cameras.image_batch import cast_images, example_arguments
 from flightsim.looks.rays import RayScene
+from flightsim.looks.sky import fill_sky
 from flightsim.mavlink.client.telemetry import Telemetry
 from flightsim.mavlink.streaming import compile_streaming
 from flightsim.plant import compile_kernels
@@ -142,7 +143,7 @@ def explore_once() -> None:
 
 
 def measure_once() -> None:
-    """Use kernels that only some runs need: ray-cast images, depth errors, openings, lidar."""
+    """Use kernels that only some runs need: images, depth errors, openings, lidar."""
     flat_m = np.full((240, 320), 6.0, dtype=np.float32)
     measured_depth(flat_m, _Frame.fx, DEPTH_CAMERAS["d435"], np.random.default_rng(0))
     narrow_cells(np.ones((3, 3, 3), dtype=np.bool_), 0.2)
@@ -150,6 +151,7 @@ def measure_once() -> None:
     cast_rays(np.zeros(1, RAYS_DTYPE), np.zeros((0, 6)), -1, np.zeros(0))
     RayScene(np.eye(3)[None]).is_hidden(np.zeros(3), np.ones((1, 3)))
     cast_images(*example_arguments())
+    fill_sky(np.zeros((1, 1, 3), np.uint8), flat_m[:1, :1], np.eye(3), _Frame.fx)
 
 
 def arrange_once() -> None:

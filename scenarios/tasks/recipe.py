@@ -17,6 +17,7 @@ from aeroscene.files.toml_file import TomlFileError, read_toml
 from aeroscene.files.visible import shown
 from flightsim.environment.traffic import TrafficError
 from flightsim.environment.wind import WindError
+from flightsim.looks.weather import Season, WeatherError
 from flightsim.testbench import TestbenchCfg, TestbenchError
 from scenarios.mission.goals import Target
 from scenarios.mission.surroundings import MapSource
@@ -80,6 +81,11 @@ class Recipe:
     failures: tuple[str, ...] = ("none",)
     """Parts that fail in flight, and when, such as gnss+vio=off@2:8 or motor=off@3:10: seconds
     after lift-off between which the moment is drawn."""
+    light: tuple[str, ...] = ("afternoon",)
+    """Time of day and weather of camera images, as `aeroscene sitl --light` has them; random draws
+    another one for each trial."""
+    season: tuple[Season, ...] = ("summer",)
+    """Season of leaves, grass and the date of the light."""
     navigation_within: float | None = None
     """Most time of the path, in multiples of the least possible one; None for any."""
 
@@ -128,6 +134,8 @@ class Recipe:
         """Refuse words that the testbench would refuse, before any trial is flown."""
         words: list[dict[str, Any]] = [{"turbulence": word} for word in self.turbulence]
         words += [{"traffic": word} for word in self.traffic]
+        words += [{"light": word} for word in self.light]
+        words += [{"season": word} for word in self.season]
         # The largest values: if the testbench takes these, it takes all below.
         words.append({"wind": self.wind_mps[1], "gust": self.gust_mps[1]})
         for word in self.failures:
@@ -138,7 +146,7 @@ class Recipe:
         for word in words:
             try:
                 TestbenchCfg(**word)
-            except (TestbenchError, TrafficError, WindError) as error:
+            except (TestbenchError, TrafficError, WeatherError, WindError) as error:
                 raise RecipeError(f"recipe: {error}") from None
 
     def to_plain(self) -> dict[str, Any]:

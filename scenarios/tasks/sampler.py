@@ -20,6 +20,7 @@ from aeroscene.solids.shapes import scene_primitives
 from autonomy.planning.openings import Opening, find_openings
 from autonomy.types import Vector3
 from flightsim.draws import generator
+from flightsim.looks.weather import RANDOM, Weather, draw_weather, parse_weather
 from flightsim.plant.timed_failures import TimedFailureError, parse_failures
 from flightsim.vehicles import Airframe
 from flightsim.world import WorldError, build_world
@@ -116,6 +117,7 @@ class Sampler:
         ways = generator(recipe.seed, scene_id, "way", *stream)
         start, area, way = self._draw_way(trial, ways, asked)
         goal = None if asked is None else self._goal(area, asked)
+        weather = self._draw_weather(generator(recipe.seed, scene_id, "light", *stream))
         # Fields that draw from `rng` do so in this order: a new one must come last, or tasks
         # change.
         return Task(
@@ -141,9 +143,17 @@ class Sampler:
             map=_one(rng, recipe.map),
             aiding=_one(rng, recipe.aiding),
             failures=self._draw_failures(rng),
+            light=str(weather),
+            season=weather.season,
             navigation_limit_s=self._navigation_limit_s(way),
             way=way,
         )
+
+    def _draw_weather(self, rng: np.random.Generator) -> Weather:
+        season, light = _one(rng, self._recipe.season), _one(rng, self._recipe.light)
+        if light.strip().lower() == RANDOM:
+            return draw_weather(rng, season)
+        return parse_weather(light, season)
 
     def _draw_failures(self, rng: np.random.Generator) -> str:
         """Draw the failures of a task.

@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from aeroscene.scene import Scene
 from autonomy.types import Vector3
+from flightsim.looks.weather import Season
 from flightsim.testbench import TestbenchCfg
 from flightsim.vehicles import airframe_by_name
 from scenarios.mission.surroundings import MapSource
@@ -57,6 +58,10 @@ class Task:
     """Source of the position."""
     failures: str
     """Parts that fail in flight and when, as `aeroscene sitl --fail` has them."""
+    light: str
+    """Time of day and weather of camera images, as `aeroscene sitl --light` has them."""
+    season: Season
+    """Season of leaves, grass and the date of the light."""
     navigation_limit_s: float | None
     """Time after lift-off in which it must have come above its area; None for any."""
     way: PathFigures
@@ -88,6 +93,8 @@ class Task:
                 depth_camera=self.depth_camera,
                 aiding=self.aiding,
                 fail=self.failures,
+                light=self.light,
+                season=self.season,
                 # As fast as possible: no client outside of the process waits for real time.
                 speed="max",
             ),

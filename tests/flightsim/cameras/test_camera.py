@@ -318,8 +318,8 @@ def test_looks_leave_depth_as_it_is(renderer, yard):
                 away_m[name].append(abs(frame.depth_m[v, u] - distance_m / length))
     for distances_m in away_m.values():
         assert len(distances_m) > 150
-        # Shadows lie 4 mm above their surfaces; pixels at edges may show the other side.
-        assert np.median(distances_m) < 0.006
+        # Pixels at edges may show the other side.
+        assert np.median(distances_m) < 0.001
         assert np.quantile(distances_m, 0.9) < 0.03
 
 

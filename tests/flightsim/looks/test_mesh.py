@@ -106,7 +106,7 @@ def hut(roof_m=3.0):
 def test_closed_room_is_lit_by_lamps_and_not_by_the_sun():
     solids = hut()
     plain = mesh_of(*solids)
-    mesh = lit(plain, solids)
+    mesh = lit(plain, solids).surfaces
     z, up = plain.vertices_enu_m[:, 2], plain.normals_enu[:, 2] > 0.9
     floor = light_at(mesh, np.flatnonzero(up & (np.abs(z - 0.1) < 0.01)))
     assert 0.4 < floor.min() <= floor.max() < 0.75
@@ -120,20 +120,20 @@ def test_light_moves_no_vertex_and_adds_shadows_only_within_millimetres():
     ]
     plain = mesh_of(*solids)
     mesh = lit(plain, solids)
-    n = len(plain.vertices_enu_m)
-    np.testing.assert_array_equal(mesh.vertices_enu_m[:n], plain.vertices_enu_m)
-    added = mesh.vertices_enu_m[n:]
+    np.testing.assert_array_equal(mesh.surfaces.vertices_enu_m, plain.vertices_enu_m)
+    np.testing.assert_array_equal(mesh.surfaces.triangles, plain.triangles)
+    added = mesh.layers.vertices_enu_m
     assert len(added) > 3
     np.testing.assert_allclose(added[:, 2], 0.104, atol=1e-6)
-    assert light_at(mesh, np.arange(len(mesh.normals_enu)) >= n).max() < 0.5
+    assert light_at(mesh.layers, np.arange(len(added))).max() < 0.5
     # The texture goes on under the shadow.
-    size_m = np.array(mesh.paints[0].size_m)
-    np.testing.assert_allclose(mesh.texture_tiles[n:] * size_m, added[:, :2] + 15.0, atol=1e-6)
+    size_m = np.array(plain.paints[0].size_m)
+    np.testing.assert_allclose(mesh.layers.texture_tiles * size_m, added[:, :2] + 15.0, atol=1e-6)
 
 
 def test_skins_hold_every_triangle_once():
     solids = hut()
-    mesh = lit(mesh_of(*solids), solids)
+    mesh = lit(mesh_of(*solids), solids).surfaces
     parts = list(skins(mesh))
     assert sum(len(part.triangles) for part in parts) == len(mesh.triangles)
     total = sum(area_m2(part.vertices_enu_m[part.triangles]) for part in parts)
@@ -144,5 +144,6 @@ def test_skins_hold_every_triangle_once():
 def test_light_is_the_same_each_time():
     solids = hut()
     meshes = [lit(mesh_of(*solids), solids) for _ in range(2)]
-    assert meshes[0].normals_enu.tobytes() == meshes[1].normals_enu.tobytes()
-    assert meshes[0].vertices_enu_m.tobytes() == meshes[1].vertices_enu_m.tobytes()
+    for first, second in zip(*((mesh.surfaces, mesh.layers) for mesh in meshes), strict=True):
+        assert first.normals_enu.tobytes() == second.normals_enu.tobytes()
+        assert first.vertices_enu_m.tobytes() == second.vertices_enu_m.tobytes()

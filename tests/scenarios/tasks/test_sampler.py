@@ -169,6 +169,22 @@ def test_failures_are_drawn_within_their_bounds(scene):
     assert dataclasses.replace(sampler.task(0), failures="none") == usual
 
 
+def test_light_is_drawn_in_words_and_moves_no_other_draw(scene):
+    recipe = dataclasses.replace(RECIPE, light=("dusk, fog 80 m", "random"), season=("winter",))
+    lit, plain = Sampler("7", scene, IRIS, recipe), Sampler("7", scene, IRIS, RECIPE)
+    tasks, words = [lit.task(n) for n in range(8)], set()
+    for number, task in enumerate(tasks):
+        default = {"light": "afternoon", "season": "summer"}
+        assert dataclasses.replace(task, **default) == plain.task(number)
+        assert task.season == "winter"
+        # A seed that drew the light need not draw it again: the words say which it was.
+        bench = task.cfg().bench
+        assert bench.light == task.light == str(bench.weather) != "random"
+        words.add(task.light)
+    assert "dusk, fog 80 m" in words
+    assert len(words) > 2
+
+
 def test_a_vehicle_without_the_motor_that_fails_has_no_task(scene):
     recipe = dataclasses.replace(RECIPE, failures=("motor6=off@3",), draws=1)
     with pytest.raises(NoTaskError, match="iris: fail 'motor6=off@3': part 'motor6' is unknown"):
