@@ -59,8 +59,7 @@ class PosePair:
 def draw_free(place: Place, after_s: float, rng: np.random.Generator) -> PosePair:
     """Draw a pose in free space, and one a short time later.
 
-    The camera looks towards a random point of the site, because beyond its borders there is little
-    to label.
+    The camera's heading leads to a random object, because there is little to label elsewhere.
 
     Args:
         place: Scene.
@@ -72,7 +71,9 @@ def draw_free(place: Place, after_s: float, rng: np.random.Generator) -> PosePai
     """
     eye = place.draw(rng)
     scene = place.scene
-    aim = rng.uniform(scene.extent_min_enu_m, scene.extent_max_enu_m)
+    middle = np.add(scene.extent_min_enu_m, scene.extent_max_enu_m) / 2
+    targets = [obj.bbox.p for obj in scene.objects] or [middle]
+    aim = targets[int(rng.integers(len(targets)))]
     yaw_rad = math.atan2(aim[1] - eye[1], aim[0] - eye[0])
     kind = int(rng.choice(len(_PITCHES), p=[share for share, _, _ in _PITCHES]))
     pitch_rad = math.radians(rng.uniform(*_PITCHES[kind][1:]))
