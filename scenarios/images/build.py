@@ -27,7 +27,7 @@ import msgspec
 
 from aeroscene.files import UnpackError, read_bounded, replacing
 from aeroscene.processes import run_all
-from scenarios.images.coco import write_coco
+from scenarios.images.coco import COCO, write_coco
 from scenarios.images.request import ImagesError, ImagesRequest, Shard
 from scenarios.images.shard import (
     IMAGES,
@@ -82,7 +82,8 @@ def plan_images(folder: Path, request: ImagesRequest) -> ImagesPlan:
         ImagesError: If the folder holds another set, or its manifest is damaged.
     """
     present = read_manifest(folder)
-    if present is None and folder.is_dir() and any(folder.iterdir()):
+    ours = {JOURNAL, SHARDS, Path(COCO).parent.name}
+    if present is None and folder.is_dir() and {path.name for path in folder.iterdir()} - ours:
         raise ImagesError(f"out {str(folder)!r} holds other files; valid: a folder that is new")
     if present is not None:
         _require_same(folder, present.request, request.to_plain())
@@ -122,6 +123,9 @@ def build_images(plan: ImagesPlan, jobs: int, on_frames: Callable[[int], None]) 
     with _journal(folder) as journal:
         # The request first: a build that is killed leaves a folder that says what it holds.
         _write_manifest(folder, plan.request, entries)
+        if plan.to_make:
+            # It would list images that are made again.
+            (folder / COCO).unlink(missing_ok=True)
         try:
             make = partial(make_shard, folder, plan.request)
             with closing(run_all(make, plan.to_make, jobs)) as made:
@@ -134,7 +138,8 @@ def build_images(plan: ImagesPlan, jobs: int, on_frames: Callable[[int], None]) 
             _remove_unlisted(folder, entries)
             manifest = _write_manifest(folder, plan.request, entries)
             (folder / JOURNAL).unlink()
-    write_coco(folder, manifest.shards)
+    if not (folder / COCO).exists():
+        write_coco(folder, manifest.shards)
     return manifest
 
 

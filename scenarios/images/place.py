@@ -59,7 +59,7 @@ class Place:
         field = self._field
         cells = np.rint((points_enu_m - np.array(field.origin_enu_m)) / field.resolution_m)
         shape = np.array(field.distance_m.shape)
-        is_inside = ((cells >= 0) & (cells < shape)).all(axis=1)
+        is_inside: np.ndarray = np.all((cells >= 0) & (cells < shape), axis=1)
         i, j, k = np.where(is_inside[:, None], cells, 0).astype(int).T
         return is_inside & self._is_reached[i, j, k] & (field.distance_m[i, j, k] >= ROOM_M)
 
