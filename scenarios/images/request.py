@@ -22,6 +22,8 @@ MOST_PIXELS = 10**12
 MOST_OBJECT_ID = 60_000
 """Greatest id of an object: images of instances have 16 bits, in which ids below zero wrap around.
 """
+MOST_PIXELS_OF_SHARD = 200_000_000
+"""Most pixels of a shard, which is in memory until it is whole: about 1 GB with all labels."""
 LEAST_EDGE, MOST_EDGE = 32, 4096
 FOV_DEG = (10.0, 150.0)
 """Narrowest and widest field of view from left to right."""
@@ -138,12 +140,18 @@ def parse_fov(text: str) -> tuple[float, float]:
 
 
 def require_bounded(request: ImagesRequest) -> None:
-    """Refuse a set with too many pixels.
+    """Refuse a set with too many pixels, in all or in a shard.
 
     Raises:
-        ImagesError: If it has more than `MOST_PIXELS`.
+        ImagesError: If it has more than `MOST_PIXELS`, or a shard may have more than
+            `MOST_PIXELS_OF_SHARD`.
     """
     largest = max(width * height for width, height in request.sizes_px)
+    if request.frames_per_light * largest > MOST_PIXELS_OF_SHARD:
+        raise ImagesError(
+            f"frames-per-light {request.frames_per_light} by {largest:,} pixels is too much "
+            f"memory; valid: at most {MOST_PIXELS_OF_SHARD // largest} frames of that size"
+        )
     if request.count * largest > MOST_PIXELS:
         raise ImagesError(
             f"count {request.count} by {largest:,} pixels is {request.count * largest:.1e} pixels; "

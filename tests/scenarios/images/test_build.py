@@ -211,6 +211,7 @@ def test_two_builds_in_one_folder_do_not_mix(built, capsys):
         (["--size", "4096x4096"], "has 16,777,216 pixels; valid: at most 8,294,400"),
         (["--size", "640x480,²x64"], "size '²x64' is not valid"),
         (["--count", "1000000", "--size", "1920x1080"], "valid: at most 1e+12, 482253 frames"),
+        (["--frames-per-light", "30", "--size", "3840x2160"], "valid: at most 24 frames of that"),
         (["--fov", "100:60"], "fov '100:60' is not valid; valid: degrees from left to right"),
         (["--fov", "nan"], "fov 'nan' is not valid"),
         (["--fov", "151"], "fov '151' is not valid"),

@@ -195,7 +195,10 @@ def test_an_area_behind_a_wall_is_not_labelled(frames, scene):
         seen = {each["id"] for each in frame.facts["areas"]}
         for area in scene.interaction_areas:
             x, y, z = frame.camera.to_optical(np.array([area.centroid]))[0]
-            if z < 1.0 or area.id in seen:
+            wide_px = area.radius * frame.camera.focal_px / max(z, 0.1)
+            is_above = frame.camera.pose.position_enu_m[2] > area.centroid[2] + 0.3 * z
+            # Large enough, and steep enough, to be labelled if nothing hid them.
+            if z < 1.0 or wide_px < 6.0 or not is_above or area.id in seen:
                 continue
             column, row = np.rint(frame.camera.pixels(np.array([x, y, z]))).astype(int)
             if 0 <= column < 160 and 0 <= row < 120 and z < 60:
