@@ -287,7 +287,10 @@ class _Stage:
         self._camera.distance = 1.0
         self._camera.lookat[:] = view.position_enu_m + forward
         self._camera.elevation = math.degrees(math.asin(max(-1.0, min(1.0, forward[2]))))
-        self._camera.azimuth = math.degrees(math.atan2(right[0], -right[1]))
+        # Straight down only the right side has an azimuth. If the camera is rolled, only the axis
+        # has the right one, and it is not vertical then.
+        north, east = (right[0], -right[1]) if abs(right[2]) < _LEVEL else (forward[1], forward[0])
+        self._camera.azimuth = math.degrees(math.atan2(north, east))
 
     def _gather(self, view: Viewpoint, is_in_view: np.ndarray) -> None:
         """Fill MuJoCo's scene from the model; a free camera's field of view is the model's."""

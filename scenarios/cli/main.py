@@ -24,6 +24,7 @@ _COMMANDS: Mapping[str, str] = {
     "replay": "ReplayCfg",
     "doctor": "DoctorCfg",
     "dataset": "DatasetCfg",
+    "images": "ImagesCfg",
     "bench": "BenchCfg",
     "compile": "CompileCfg",
     "export": "ExportCfg",

@@ -19,6 +19,7 @@ REQUIRED = {
     "fly": ("--out", "{tmp}", "--trial", "0"),
     "campaign": ("--out", "{tmp}"),
     "export": ("--out", "{tmp}", "--to", "glb"),
+    "images": ("--out", "{tmp}"),
     "layouts": ("pyproject.toml",),
     "replay": ("x.rrd",),
     "compare": ("a", "b"),
