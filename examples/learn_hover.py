@@ -1,13 +1,13 @@
 """Learn to hover: PPO of Stable-Baselines3 over 64 worlds, by velocities.
 
-Needs pip install 'aeroscene[rl]' stable-baselines3. Run: python examples/learn_hover.py
+Needs pip install 'aeroscene[rl]'. Run: python examples/learn_hover.py
 """
 
 import numpy as np
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv
 
-from aeroscene import EnvironmentCfg, make_vec
+from aeroscene import EnvironmentCfg, make_vec, save_policy
 
 CFG = EnvironmentCfg(action="velocity", action_hz=10)
 
@@ -57,9 +57,11 @@ def main(n_steps: int = 250_000, n: int = 64) -> tuple[float, float]:
     options |= {"policy_kwargs": {"log_std_init": -1.3}, "learning_rate": lambda left: 15e-4 * left}
     worlds, new_worlds = (Worlds("AeroScene/Hover-v0", n, seed, cfg=CFG) for seed in (0, 1_000_000))
     policy = PPO("MlpPolicy", worlds, seed=0, device="cpu", **options).learn(n_steps)
+    save_policy(policy, "hover.zip", "AeroScene/Hover-v0", CFG)
     ended = [(each["is_success"], each["distance_m"]) for each in new_worlds.try_out(policy)]
     return tuple(np.mean(ended, axis=0).tolist())
 
 
 if __name__ == "__main__":
     print("holds the target in {:.0%} of new episodes, {:.3f} m from it".format(*main()))
+    print("Score it: aeroscene campaign --scenes 0:10 --pilot policy:hover.zip --out runs/hover")

@@ -11,6 +11,7 @@ from aeroscene.lazy import public_names
 # Type checkers read the imports; at run time each name is imported when it is first used.
 if TYPE_CHECKING:
     from scenarios.environments import (
+        AutopilotCfg,
         EnvironmentCfg,
         ObservationCfg,
         RandomisationCfg,
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from scenarios.mission.mission import Mission, plan_mission
     from scenarios.mission.surroundings import MissionError
     from scenarios.pilot import Pilot, PilotCfg
+    from scenarios.policies.saving import describe_policy, save_policy
     from scenarios.recording import Recorder, RecordingError, RunInfo
     from scenarios.recording.summary import RecordingSummary, summarise
     from scenarios.run.cfg import SitlCfg
@@ -34,6 +36,7 @@ else:
 __all__ = [
     "INPUT_ERRORS",
     "Aboard",
+    "AutopilotCfg",
     "Companion",
     "EnvironmentCfg",
     "Mission",
@@ -50,8 +53,10 @@ __all__ = [
     "SitlCfg",
     "TrialResult",
     "Verdict",
+    "describe_policy",
     "make",
     "make_vec",
     "plan_mission",
+    "save_policy",
     "summarise",
 ]

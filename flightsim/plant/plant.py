@@ -305,6 +305,11 @@ class Plant:
         return self._memory.plants.ctypes.data
 
     @property
+    def records(self) -> np.ndarray:
+        """`PLANT_DTYPE` (1,), the plant's record, for those who read many plants alike."""
+        return self._memory.plants
+
+    @property
     def filter(self) -> np.void:
         """Record of the filter (`autonomy.estimation.error_state`), to judge it by."""
         return self._filter

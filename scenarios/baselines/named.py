@@ -29,6 +29,8 @@ BASELINES: Mapping[str, str] = {
     "perfect": "scenarios.baselines.area_choosers:PERFECT",
 }
 """Baselines that ship, as MODULE:CLASS, so that only the one that flies is imported."""
+POLICY = "policy:"
+"""Beginning of a pilot's name that is followed by the file of a learnt policy."""
 VLM = "vlm"
 """Pilot that a vision-language model steers, behind an address that the user names."""
 READERS = frozenset(("random", "nearest", "perfect", VLM))
@@ -63,8 +65,8 @@ def pilot_of(text: str, option: str = "pilot", chat: ChatModel | None = None) ->
     """Return the pilot that a user names.
 
     Args:
-        text: A name that ships, or `MODULE:CLASS`. Modules are also searched for in the folder in
-            which the command was started.
+        text: A name that ships, `policy:FILE`, or `MODULE:CLASS`. Modules are also searched for in
+            the folder in which the command was started.
         option: Name of the option that asks for it, for the message.
         chat: Model that steers the pilot `vlm`; None for all others.
 
@@ -77,10 +79,14 @@ def pilot_of(text: str, option: str = "pilot", chat: ChatModel | None = None) ->
         raise PilotError(f"{option} is {text!r} with {name}; valid: --pilot vlm --endpoint URL")
     if chat is not None:
         return _steered_by(chat)
+    if text.startswith(POLICY):
+        return _learnt(Path(text.removeprefix(POLICY)), option, text)
     if text in PLANNERS:
         return NamedPilot(planner=PLANNERS[text])
     names = ", ".join((*PLANNERS, *BASELINES, VLM))
-    valid = f"valid: {names}, or MODULE:CLASS such as my_pilot:Pilot, see docs/python.md"
+    valid = (
+        f"valid: {names}, policy:FILE, or MODULE:CLASS such as my_pilot:Pilot, see docs/python.md"
+    )
     module, _, name = BASELINES.get(text, text).partition(":")
     if not module or not name.isidentifier():
         raise PilotError(f"{option} is {text!r}; {valid}")
@@ -96,6 +102,26 @@ def pilot_of(text: str, option: str = "pilot", chat: ChatModel | None = None) ->
     if not callable(found):
         raise PilotError(f"{option} is {text!r}, which is no class; {valid}")
     return NamedPilot(make=cast("MakePilot", found))
+
+
+def _learnt(path: Path, option: str, text: str) -> NamedPilot:
+    """Return the pilot that a learnt policy flies.
+
+    Raises:
+        PilotError: If the file cannot be used, or the extra `rl` is not installed.
+    """
+    try:
+        from scenarios.baselines.policy_pilot import PolicyMaker
+        from scenarios.policies.description import PolicyError
+        from scenarios.policies.policy import read_policy
+    except ModuleNotFoundError as error:
+        raise PilotError(
+            f"{option} is {text!r}, which needs {error.name}; pip install 'aeroscene[rl]'"
+        ) from None
+    try:
+        return NamedPilot(make=PolicyMaker(read_policy(path)))
+    except PolicyError as error:
+        raise PilotError(f"{option} is {text!r}, but {error}") from None
 
 
 def _steered_by(chat: ChatModel) -> NamedPilot:

@@ -20,6 +20,7 @@ from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
 from scenarios.bench.configs import BenchError, WorldsBenchCfg
 from scenarios.bench.episode_ends import end_rows
+from scenarios.bench.offboard import offboard_rows
 from scenarios.bench.peers import check_installed, peer_rows
 from scenarios.bench.row import OnProgress, Row, higher, lower
 
@@ -63,6 +64,8 @@ def rows(cfg: WorldsBenchCfg, on_progress: OnProgress) -> Iterator[Row]:
     yield from _true_state_rows(around, cfg)
     on_progress("environments", 0.6)
     yield from _environment_rows(cfg)
+    on_progress("environments that an autopilot flies", 0.75)
+    yield from offboard_rows(cfg)
     on_progress("ends of episodes", 0.8)
     yield from end_rows(cfg)
     if cfg.peers:

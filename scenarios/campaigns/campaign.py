@@ -48,6 +48,7 @@ class _SuiteFacts(msgspec.Struct, kw_only=True):
     autopilot: Literal["px4", "ardupilot"] | None = None
     autopilot_binary: str = ""
     autopilot_sha256: str = ""
+    policy_sha256: str = ""
     equipment: dict[str, Any] = {}
 
 

@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from enum import StrEnum
 from functools import partial
+from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -24,7 +25,15 @@ from aeroscene.solids import field_cache
 from flightsim.environment.traffic import TrafficError
 from flightsim.vehicles import airframe_by_name
 from flightsim.world import WorldError
-from scenarios.baselines.named import OURS, READERS, SHIPPED, NamedPilot, PilotError, pilot_of
+from scenarios.baselines.named import (
+    OURS,
+    POLICY,
+    READERS,
+    SHIPPED,
+    NamedPilot,
+    PilotError,
+    pilot_of,
+)
 from scenarios.campaigns.equipment import Equipment
 from scenarios.campaigns.external.flight import ExternalFlights
 from scenarios.campaigns.external.pilot import CrashedError, SilentError
@@ -177,9 +186,18 @@ class Suite:
             "program": self.program,
             "endpoint": None if self.chat is None else self.chat.endpoint,
             "model": None if self.chat is None else self.chat.model,
+            **self._policy_to_plain(),
             "equipment": self.equipment.to_plain(),
             **({"autopilot": None} if self.stack is None else self.stack.to_plain()),
         }
+
+    def _policy_to_plain(self) -> dict[str, str]:
+        """Return the digest of a learnt policy: another file of the same name flies otherwise."""
+        if not self.pilot.startswith(POLICY):
+            return {}
+        from scenarios.policies.policy import digest
+
+        return {"policy_sha256": digest(Path(self.pilot.removeprefix(POLICY)))}
 
 
 class Flyer:
@@ -352,7 +370,8 @@ def _spl(task: Task, result: TrialResult) -> float | None:
 
 def _guarded(pilot: NamedPilot, name: str) -> NamedPilot:
     """A pilot whose errors can be distinguished from the testbench's own, if it is a user's."""
-    if pilot.make is None or ":" not in name:
+    # Our own code flies a policy, and no plan of it is no fault of the policy's.
+    if pilot.make is None or ":" not in name or name.startswith(POLICY):
         return pilot
     return replace(pilot, make=partial(UserPilot, pilot.make))
 

@@ -71,7 +71,8 @@ class CampaignCfg:
     pilot: str = "demo"
     """Pilot to score. demo is ours; mueller is the same with motion primitives as its planner;
     potential follows a potential field; straight flies straight lines without looking; random,
-    nearest, perfect and vlm are for goals in words, see docs/goals.md; MODULE:CLASS is a class of
+    nearest, perfect and vlm are for goals in words, see docs/goals.md; policy:FILE is a policy that
+    was learnt (.zip of Stable-Baselines3, .onnx), see docs/learning.md; MODULE:CLASS is a class of
     your own, mavlink a program of your own over MAVLink, see docs/campaigns.md."""
     program: Annotated[str | None, tyro.conf.arg(help_behavior_hint="")] = None
     """With --pilot mavlink: command that flies each trial, with its task as a line of JSON on

@@ -50,8 +50,8 @@ class FlyCfg:
     vehicle: str = "iris"
     """Airframe by its name, or a file FILE.toml as the campaign names it."""
     pilot: Annotated[str | None, default_hint("the campaign's, else demo")] = None
-    """Pilot, see `aeroscene campaign`. A class or a program that only the folder names is not run:
-    name it again, or pass --trust."""
+    """Pilot, see `aeroscene campaign`. A class, a policy or a program that only the folder names is
+    not run: name it again, or pass --trust."""
     program: Annotated[str | None, default_hint("none")] = None
     """With a campaign of --pilot mavlink: the command that flies, as the campaign names it."""
     endpoint: Annotated[str | None, default_hint("none")] = None

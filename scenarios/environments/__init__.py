@@ -1,9 +1,10 @@
 """Gymnasium environments in which policies learn to fly; see docs/learning.md.
 
-Importing this package registers `AeroScene/Hover-v0`, `AeroScene/Navigation-v0` and
-`AeroScene/Landing-v0`. It needs the extra `rl`.
+Importing this package registers `AeroScene/Hover-v0`, `AeroScene/Navigation-v0`,
+`AeroScene/Landing-v0` and `AeroScene/Offboard-v0`. It needs the extra `rl`.
 """
 
+from scenarios.environments.autopilots import AutopilotCfg
 from scenarios.environments.cfg import (
     EnvironmentCfg,
     EnvironmentInputError,
@@ -17,6 +18,7 @@ from scenarios.environments.vector import AeroSceneVectorEnv
 __all__ = [
     "AeroSceneEnv",
     "AeroSceneVectorEnv",
+    "AutopilotCfg",
     "EnvironmentCfg",
     "EnvironmentInputError",
     "ObservationCfg",

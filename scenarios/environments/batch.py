@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -21,6 +22,7 @@ from flightsim.plant import Fleet
 from flightsim.vehicles.airframe import Airframe
 from flightsim.vehicles.catalogue import airframe_by_name
 from flightsim.world import World, build_world
+from scenarios.environments.autopilots import AutopilotCfg, AutopilotFleet, OffboardActuation
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.episodes.draws import Draws, draw_conditions
 from scenarios.environments.episodes.ending import Outcome, judge_episode
@@ -77,6 +79,7 @@ class Batch:
         cfg: EnvironmentCfg | None = None,
         n_threads: int | None = None,
         airframes: Sequence[Airframe] = (),
+        autopilot: AutopilotCfg | None = None,
     ) -> None:
         """Build the worlds.
 
@@ -87,6 +90,8 @@ class Batch:
             n_threads: Threads that advance the worlds; None takes one for each core.
             airframes: Vehicles of each world, with as many rotors each; by default the configured
                 one alone.
+            autopilot: Autopilot that flies each vehicle; None lets actions reach the plants' own
+                controllers.
 
         Raises:
             EnvironmentInputError: If the configuration is not valid.
@@ -100,11 +105,23 @@ class Batch:
         for airframe in airframes:
             check_motors(cfg.action, airframe)
         self._places, worlds = _built(scenes, airframes)
-        plant_cfgs = [cfg.plant_cfg(0)] * len(worlds)
-        self._fleet = fleet = Fleet(worlds, plant_cfgs, n_threads=n_threads)
-        n = len(fleet)
+        self._actuation: Actuation | OffboardActuation
+        if autopilot is None:
+            fleet = Fleet(worlds, [cfg.plant_cfg(0)] * len(worlds), n_threads=n_threads)
+            self._actuation = Actuation(fleet, cfg.action)
+        else:
+            if autopilot.name != "builtin" and task.settles:
+                # Its episodes begin above an area, and such a stack flies to its start without map.
+                raise EnvironmentInputError(
+                    f"task = {task.name!r} with autopilot {autopilot.name!r}: its episodes begin "
+                    "too far from the start; hover, navigation are valid"
+                )
+            flown = AutopilotFleet(worlds, cfg, autopilot)
+            self._actuation = OffboardActuation(flown, cfg)
+            # It has all members of a fleet that are used here and below.
+            fleet = cast("Fleet", flown)
+        self._fleet, n = fleet, len(fleet)
         self.observer = Observer(fleet, cfg.observation, n_threads)
-        self._actuation = Actuation(fleet, cfg.action)
         self._queue = ActionQueue(n, cfg.longest_latency)
         self._step_s = 1.0 / cfg.action_hz
         self._flights = Flights(fleet, self._step_s)
@@ -208,7 +225,8 @@ class Batch:
         self._require_episodes("step")
         # The distance before the step, for rewards of progress.
         now, before_m = self._now, self._now.distance_m.copy()
-        self._actuation.apply(self._queue.delayed(actions), self.observer.position_enu_m)
+        knower = self.observer
+        self._actuation.apply(self._queue.delayed(actions), knower.position_enu_m, knower.quat_wxyz)
         if not self._is_flying.all():
             self._actuation.stop(~self._is_flying)
         self._fleet.advance()

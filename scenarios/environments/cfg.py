@@ -16,7 +16,7 @@ from flightsim.environment.effects import ALL_EFFECTS
 from flightsim.environment.wind import CALM, WindCfg
 from flightsim.plant import PlantCfg
 
-ActionLevel = Literal["motors", "rates", "velocity", "position"]
+ActionLevel = Literal["motors", "rates", "attitude", "velocity", "position"]
 StateKind = Literal["true", "estimated", "none"]
 CameraName = Literal["forward", "down"]
 Segment = Literal["classes", "objects"]
@@ -158,8 +158,8 @@ class EnvironmentCfg:
     vehicle: str = "iris"
     """Airframe by its name."""
     action: ActionLevel = "rates"
-    """Meaning of the four numbers of an action: rotor speeds; thrust and body rates; velocity and
-    yaw rate; displacement and yaw rate."""
+    """Meaning of the four numbers of an action: rotor speeds; thrust and body rates; thrust, roll,
+    pitch and turn; velocity and yaw rate; displacement and yaw rate."""
     action_hz: int = 50
     """Steps a simulated second: 250, 125, 50, 25, 10 or 5."""
     episode_s: float | None = None

@@ -11,7 +11,8 @@ except ModuleNotFoundError as error:
         name="gymnasium",
     ) from error
 
-from scenarios.environments.tasks import TASKS
+from scenarios.environments.autopilots import AutopilotCfg
+from scenarios.environments.names import ENVIRONMENTS
 
 __all__ = ["make", "make_vec", "register_environments"]
 
@@ -21,12 +22,13 @@ def register_environments() -> None:
 
     A second call changes nothing.
     """
-    for task in TASKS:
-        name = f"AeroScene/{task.capitalize()}-v0"
+    for name, task in ENVIRONMENTS.items():
         if name not in gymnasium.registry:
             gymnasium.register(
                 id=name,
                 entry_point="scenarios.environments.single:AeroSceneEnv",
                 vector_entry_point="scenarios.environments.vector:AeroSceneVectorEnv",
-                kwargs={"task": task},
+                kwargs={"task": task}
+                if task is not None
+                else {"task": "hover", "autopilot": AutopilotCfg()},
             )

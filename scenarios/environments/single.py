@@ -9,6 +9,7 @@ import numpy as np
 from gymnasium import spaces
 
 from aeroscene.scene import Scene
+from scenarios.environments.autopilots import AutopilotCfg
 from scenarios.environments.batch import Batch
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.interface.actions import N_ACTIONS, checked_actions
@@ -30,6 +31,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         scene: str | Scene = "field",
         cfg: EnvironmentCfg | None = None,
         render_mode: str | None = None,
+        autopilot: AutopilotCfg | None = None,
     ) -> None:
         """Build the world.
 
@@ -38,6 +40,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
             scene: Scene, or its name as the command line takes it.
             cfg: Configuration.
             render_mode: "rgb_array" if `render` shall return pictures.
+            autopilot: Autopilot that follows the actions as MAVLink setpoints; None for none.
 
         Raises:
             EnvironmentInputError: If the configuration or the mode is not valid.
@@ -46,7 +49,7 @@ class AeroSceneEnv(gymnasium.Env[Any, np.ndarray]):
         """
         self.render_mode = checked_render_mode(render_mode)
         # One world needs no threads.
-        self._batch = Batch(task_by_name(task), [scene], cfg, n_threads=1)
+        self._batch = Batch(task_by_name(task), [scene], cfg, n_threads=1, autopilot=autopilot)
         # Films of the environment run as fast as it does.
         self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}
         self.observation_space = self._batch.observer.space

@@ -14,6 +14,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
 from aeroscene.scene import Scene
+from scenarios.environments.autopilots import AutopilotCfg
 from scenarios.environments.batch import Batch
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError
 from scenarios.environments.episodes.ending import Outcome
@@ -46,6 +47,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         cfg: EnvironmentCfg | None = None,
         n_threads: int | None = None,
         render_mode: str | None = None,
+        autopilot: AutopilotCfg | None = None,
     ) -> None:
         """Build the worlds.
 
@@ -56,6 +58,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
             cfg: Configuration.
             n_threads: Threads that advance the worlds; None takes one for each core.
             render_mode: "rgb_array" if `render` shall return pictures.
+            autopilot: Autopilot that follows the actions as MAVLink setpoints; None for none.
 
         Raises:
             EnvironmentInputError: If the configuration or the mode is not valid.
@@ -72,7 +75,7 @@ class AeroSceneVectorEnv(VectorEnv[Any, np.ndarray, np.ndarray]):
         self.render_mode = checked_render_mode(render_mode)
         # Scenes by turns, so that any number of worlds uses all of them.
         around = [scenes[i % len(scenes)] for i in range(num_envs)]
-        self._batch = Batch(task_by_name(task), around, cfg, n_threads)
+        self._batch = Batch(task_by_name(task), around, cfg, n_threads, autopilot=autopilot)
         # Films of the environments run as fast as these do.
         self.metadata = {**self.metadata, "render_fps": self._batch.action_hz}
         self.single_observation_space = self._batch.observer.space

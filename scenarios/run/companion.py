@@ -8,17 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from aeroscene.scene import InteractionArea, Scene
 from flightsim.lidars import LidarScan
 from flightsim.mavlink.client import BytePipe, MavlinkClient
+from flightsim.plant import Plant
 from flightsim.vehicles import Airframe
 from scenarios.pilot.depth_frames import DepthFrame
 from scenarios.trials.verdict import Word
 from scenarios.words.goal import Description
+
+if TYPE_CHECKING:
+    from scenarios.pilot import Pilot
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,6 +68,13 @@ class Aboard:
     # By default a vehicle without a lidar.
     scan: Callable[[], LidarScan | None] = lambda: None
     """Function that returns the lidar's last complete scan; None without a lidar."""
+    our_pilot: Callable[[MavlinkClient], Pilot] | None = None
+    """Function that plans the flight and returns our own pilot for it, which steers by a client of
+    yours; for pilots that take over a part of its flight. It raises `TestbenchError` if there is no
+    plan."""
+    plant: Plant | None = None
+    """None, except for a maker of pilots with a true attribute `sees_plant`: a policy observes what
+    its environment showed to it, which may be the true state."""
 
 
 class Companion(Protocol):

@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 from aeroscene.scene import InteractionArea
 from flightsim.cameras import Cameras
+from flightsim.mavlink.client import MavlinkClient
 from flightsim.testbench import Testbench, Vehicle
 from scenarios.run.cfg import SitlCfg
 from scenarios.run.goal_announcement import announce_goal
 from scenarios.run.hangar import Hangar
-from scenarios.run.missions import new_pilot
+from scenarios.run.missions import new_pilot, plan_missions, plan_to_words
 from scenarios.run.schedule import Schedule
 from scenarios.trials.figures import Goal
 from scenarios.trials.flight_log import FlightLog
@@ -120,7 +121,21 @@ class Flight:
             text="" if words is None else words.text,
             insight=insight,
             scan=lambda: None if vehicle.lidar is None else vehicle.lidar.latest,
+            our_pilot=self._our_pilot,
+            plant=vehicle.plant if getattr(pilot, "sees_plant", False) else None,
         )
+
+    def _our_pilot(self, client: MavlinkClient) -> Pilot:
+        """Plan the flight, and return our own pilot for it, which steers by a given client.
+
+        Raises:
+            TestbenchError: If there is no plan.
+        """
+        if self.words is not None:
+            mission = plan_to_words(self._cfg, self.vehicle, self.words)
+        else:
+            (mission,) = plan_missions(self._cfg, [self.vehicle], self.area)
+        return new_pilot(self.vehicle, mission, self.cameras.render_depth, client)
 
     def _open_tape(self) -> FlightTape:
         from scenarios.pictures.tape import FlightTape

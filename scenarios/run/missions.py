@@ -16,6 +16,7 @@ from flightsim.testbench import TestbenchError, Vehicle
 from scenarios.run.cfg import SitlCfg
 
 if TYPE_CHECKING:
+    from flightsim.mavlink.client import MavlinkClient
     from scenarios.mission.mission import Mission
     from scenarios.pilot import Pilot
     from scenarios.pilot.depth_frames import Frames
@@ -104,12 +105,21 @@ def plan_to_words(cfg: SitlCfg, vehicle: Vehicle, goal: WordGoal) -> Mission:
     raise fault or TestbenchError(f"scene {vehicle.scene.scene_id}: nothing fits {goal.text!r}")
 
 
-def new_pilot(vehicle: Vehicle, mission: Mission, frames: Frames) -> Pilot:
-    """Return our pilot for a vehicle; it looks out if anything else moves."""
+def new_pilot(
+    vehicle: Vehicle, mission: Mission, frames: Frames, client: MavlinkClient | None = None
+) -> Pilot:
+    """Return our pilot for a vehicle; it looks out if anything else moves.
+
+    Args:
+        vehicle: The vehicle.
+        mission: Mission to fly.
+        frames: Renders the present frame of a named camera.
+        client: Client by which it steers; None takes a new one.
+    """
     from scenarios.pilot import Pilot, PilotCfg
 
     brief = PilotCfg(expects_traffic=_meets_movers(vehicle))
-    return Pilot(vehicle.connect(), mission, frames, brief)
+    return Pilot(client or vehicle.connect(), mission, frames, brief)
 
 
 def _meets_movers(vehicle: Vehicle) -> bool:

@@ -29,11 +29,22 @@ _HEARTBEAT_PERIOD_US = 1_000_000
 _ACK_TIMEOUT_US = 500_000
 _PROGRESS_TIMEOUT_US = 5_000_000
 _TRIES = 5
+_FORCE_MAGIC = 21196
+"""Second parameter of the command to arm or disarm that forces it, as MAVLink defines it."""
 _AUTOPILOT_COMPONENT = 1
 _VELOCITY_ALONE = (
     mavlink.POSITION_TARGET_TYPEMASK_X_IGNORE
     | mavlink.POSITION_TARGET_TYPEMASK_Y_IGNORE
     | mavlink.POSITION_TARGET_TYPEMASK_Z_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_AX_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_AY_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_AZ_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_YAW_IGNORE
+)
+_POSITION_ALONE = (
+    mavlink.POSITION_TARGET_TYPEMASK_VX_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_VY_IGNORE
+    | mavlink.POSITION_TARGET_TYPEMASK_VZ_IGNORE
     | mavlink.POSITION_TARGET_TYPEMASK_AX_IGNORE
     | mavlink.POSITION_TARGET_TYPEMASK_AY_IGNORE
     | mavlink.POSITION_TARGET_TYPEMASK_AZ_IGNORE
@@ -162,13 +173,21 @@ class MavlinkClient:
         self._commands.append(pending)
         return pending
 
-    def request_streams(self) -> list[Command]:
-        """Request the frame's origin and the messages a companion steers by; stop all others."""
+    def request_streams(self, *, is_quiet: bool = False) -> list[Command]:
+        """Request the frame's origin and the messages a companion steers by; stop all others.
+
+        Args:
+            is_quiet: True stops all but heartbeats, for a companion that knows the state by itself.
+        """
         origin = self.command(
             mavlink.MAV_CMD_REQUEST_MESSAGE, mavlink.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN
         )
-        wanted = [(message_id, 1e6 / hz) for message_id, hz in self.habits.streams_hz.items()]
-        unwanted = [(message_id, -1.0) for message_id in self.habits.unwanted]
+        steered_by = {} if is_quiet else self.habits.streams_hz
+        silenced = (
+            {*self.habits.streams_hz} - {mavlink.MAVLINK_MSG_ID_HEARTBEAT} if is_quiet else ()
+        )
+        wanted = [(message_id, 1e6 / hz) for message_id, hz in steered_by.items()]
+        unwanted = [(message_id, -1.0) for message_id in (*self.habits.unwanted, *sorted(silenced))]
         return [
             origin,
             *(
@@ -193,9 +212,10 @@ class MavlinkClient:
         """Start the rotors; the vehicle refuses while a check forbids it."""
         return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
 
-    def disarm(self) -> Command:
-        """Stop the rotors; refused in the air."""
-        return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+    def disarm(self, *, is_forced: bool = False) -> Command:
+        """Stop the rotors; refused in the air unless it is forced."""
+        magic = (_FORCE_MAGIC,) if is_forced else ()
+        return self.command(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0, *magic)
 
     def send_setpoint(self, reference: FlatReference) -> None:
         """Send one offboard setpoint: position, velocity, acceleration and heading.
@@ -240,6 +260,34 @@ class MavlinkClient:
                 _VELOCITY_ALONE,
                 *(0.0, 0.0, 0.0),
                 *swap_enu_ned(velocity_enu_mps),
+                *(0.0, 0.0, 0.0),
+                0.0,
+                -yaw_rate_radps,
+            )
+        )
+
+    def send_position(self, position_enu_m: Vector3, yaw_rate_radps: float) -> None:
+        """Send one offboard setpoint of position and yaw rate alone.
+
+        Nothing is sent before the origin of MAVLink's local frame is known.
+
+        Args:
+            position_enu_m: Position in the scene's frame.
+            yaw_rate_radps: Rate of the heading, counter-clockwise.
+        """
+        origin = self.telemetry.local_origin_enu_m
+        if origin is None:
+            return
+        x, y, z = position_enu_m
+        self._send(
+            mavlink.MAVLink_set_position_target_local_ned_message(
+                self._time_us // 1000,
+                self.telemetry.system_id,
+                _AUTOPILOT_COMPONENT,
+                mavlink.MAV_FRAME_LOCAL_NED,
+                _POSITION_ALONE,
+                *swap_enu_ned((x - origin[0], y - origin[1], z - origin[2])),
+                *(0.0, 0.0, 0.0),
                 *(0.0, 0.0, 0.0),
                 0.0,
                 -yaw_rate_radps,

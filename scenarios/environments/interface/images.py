@@ -37,7 +37,7 @@ class CameraImages:
 
     def __init__(
         self,
-        worlds: list[World],
+        worlds: Sequence[World],
         size_px: tuple[int, int],
         camera: CameraName,
         segments: Sequence[Segment] = (),
@@ -151,7 +151,7 @@ class _Solids:
         self.rays = RayScene(np.concatenate(parts))
 
 
-def _tables(worlds: list[World], solids: list[_Solids]) -> list[dict[str, np.ndarray]]:
+def _tables(worlds: Sequence[World], solids: list[_Solids]) -> list[dict[str, np.ndarray]]:
     """The meaning of each hit of `cast_images` for each vehicle, by the names of the images."""
     known: dict[tuple[int, int], dict[str, np.ndarray]] = {}
     for world, standing in zip(worlds, solids, strict=True):

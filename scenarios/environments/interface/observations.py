@@ -18,13 +18,13 @@ quaternions.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from gymnasium import spaces
 from jaxtyping import Float
 
-from flightsim.plant import Fleet
+from flightsim.world import World
 from scenarios.environments.cfg import ObservationCfg
 from scenarios.environments.interface.actions import N_ACTIONS
 from scenarios.environments.interface.images import FAR_M, SEGMENT_DTYPES, CameraImages
@@ -33,13 +33,37 @@ MOST_RANGE_M = 30.0
 N_NOISES = 12
 _NOISE_SIGMAS = np.repeat([0.02, 0.05, 0.01, 0.05], 3)
 """Standard deviations of position, velocity, attitude and angular rate at noise 1."""
-_STATE = ((3, 100.0), (9, 1.0), (3, 100.0))
-"""Size and bound of velocity, rotation matrix and angular rate."""
+_STATE = (("velocity", 3, 100.0), ("rotation", 9, 1.0), ("angular_rate", 3, 100.0))
+"""Name, size and bound of each part of a state."""
 _MATE = ((3, 1000.0), (3, 100.0))
 """Size and bound of the vector to another vehicle and of its velocity relative to one's own."""
 
 Observation = Any
 """An array (n, k), or with images a dictionary of `numbers`, `depth` and segments."""
+
+
+class Observed(Protocol):
+    """Vehicles that can be observed; a `flightsim.plant.Fleet` is one."""
+
+    @property
+    def worlds(self) -> Sequence[World]:
+        """World of each of n vehicles."""
+        ...
+
+    @property
+    def n_together(self) -> int:
+        """Number of vehicles in each world."""
+        ...
+
+    @property
+    def records(self) -> np.ndarray:
+        """`PLANT_DTYPE` (n,), the state of all plants."""
+        ...
+
+    @property
+    def history(self) -> np.ndarray:
+        """`HISTORY_DTYPE` (n, k), the last advance."""
+        ...
 
 
 class Observer:
@@ -49,13 +73,21 @@ class Observer:
         space: Space of one vehicle's observation.
     """
 
-    def __init__(self, fleet: Fleet, cfg: ObservationCfg, n_threads: int | None = None) -> None:
+    def __init__(
+        self,
+        fleet: Observed,
+        cfg: ObservationCfg,
+        n_threads: int | None = None,
+        estimate: Sequence[np.ndarray] | None = None,
+    ) -> None:
         """Watch a fleet.
 
         Args:
             fleet: Vehicles whose observations these are.
             cfg: Parts of the observations.
             n_threads: Threads that cast images; None takes one for each core.
+            estimate: Arrays that hold the estimated positions, velocities, attitudes and angular
+                rates at each observation; None takes those of the plants' own filters.
         """
         self._cfg, self._fleet = cfg, fleet
         # Views into the fleet's arrays: they show every new step without a copy.
@@ -69,7 +101,7 @@ class Observer:
             )
         ]
         names = ("position_enu_m", "velocity_enu_mps", "quat_wxyz", "angular_rate_flu_radps")
-        self._estimate = [fleet.records["filter"][name] for name in names]
+        self._estimate = estimate or [fleet.records["filter"][name] for name in names]
         # Without a state the vector to the target still needs a position: the true one.
         self._known = self._estimate if cfg.state == "estimated" else self._truth
         self._cameras = None
@@ -91,6 +123,11 @@ class Observer:
     def position_enu_m(self) -> Float[np.ndarray, "n 3"]:
         """Position of each vehicle by its own knowledge: true or estimated, ENU, m."""
         return self._known[0]
+
+    @property
+    def quat_wxyz(self) -> Float[np.ndarray, "n 4"]:
+        """Attitude of each vehicle by its own knowledge, body to ENU."""
+        return self._known[2]
 
     def observe(
         self,
@@ -224,27 +261,32 @@ def _space(cfg: ObservationCfg, bounds: tuple[np.ndarray, np.ndarray] | None) ->
     return spaces.Dict(parts)
 
 
+def layout(cfg: ObservationCfg) -> list[tuple[str, int]]:
+    """Return name and size of each part of the numbers of one vehicle, in their order."""
+    return [(name, size) for name, size, _, _ in _parts_bounds(cfg, 0)]
+
+
 def _bounds(cfg: ObservationCfg, n_mates: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the least and the greatest value of each number."""
     parts = list(_parts_bounds(cfg, n_mates))
     low, high = (
-        np.concatenate([np.zeros(0), *(np.full(part[0], part[k]) for part in parts)])
-        for k in (1, 2)
+        np.concatenate([np.zeros(0), *(np.full(part[1], part[k]) for part in parts)])
+        for k in (2, 3)
     )
     return low.astype(np.float32), high.astype(np.float32)
 
 
-def _parts_bounds(cfg: ObservationCfg, n_mates: int) -> Iterator[tuple[int, float, float]]:
-    """Yield size and bounds of each part, in the order of the observation."""
+def _parts_bounds(cfg: ObservationCfg, n_mates: int) -> Iterator[tuple[str, int, float, float]]:
+    """Yield name, size and bounds of each part, in the order of the observation."""
     if cfg.target:
-        yield 3, -1000.0, 1000.0
+        yield "target", 3, -1000.0, 1000.0
     if cfg.state != "none":
-        yield from ((size, -most, most) for size, most in _STATE)
+        yield from ((name, size, -most, most) for name, size, most in _STATE)
     if cfg.last_action:
-        yield N_ACTIONS, -1.0, 1.0
+        yield "last_action", N_ACTIONS, -1.0, 1.0
     if cfg.imu:
-        yield from ((3, -500.0, 500.0), (3, -100.0, 100.0))
+        yield from (("specific_force", 3, -500.0, 500.0), ("imu_rate", 3, -100.0, 100.0))
     if cfg.range:
-        yield 1, 0.0, MOST_RANGE_M
+        yield "range", 1, 0.0, MOST_RANGE_M
     for _ in range(n_mates):
-        yield from ((size, -most, most) for size, most in _MATE)
+        yield from (("mate", size, -most, most) for size, most in _MATE)

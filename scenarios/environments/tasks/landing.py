@@ -22,7 +22,7 @@ from scenarios.trials.verdict import Ending, Verdict
 _FARTHEST_M = 15.0
 _APPROACH_M = ((-1.5, -1.5, 1.0), (1.5, 1.5, 5.0))
 """Bounds of the start, relative to the area's middle."""
-_TOUCHDOWN_S = 0.3
+TOUCHDOWN_S = 0.3
 """A vehicle that has touched something for so long has landed, well or not."""
 _LANDED, _CRASH = 10.0, -5.0
 
@@ -83,7 +83,7 @@ class Landing(Task):
 
     def is_over(self, now: Situation) -> Bool[np.ndarray, " n"]:
         """After the touchdown, and far away."""
-        return (now.touch_s >= _TOUCHDOWN_S) | (now.distance_m > _FARTHEST_M)
+        return (now.touch_s >= TOUCHDOWN_S) | (now.distance_m > _FARTHEST_M)
 
     def ending(self, now: Situation, index: int, seconds: float, *, is_time_up: bool) -> Ending:
         """State whether it came down at all; the verdict follows from the history."""

@@ -160,7 +160,7 @@ def test_the_last_images_are_those_of_the_end():
     [
         (
             lambda: EnvironmentCfg(action="thrust"),
-            r"action = 'thrust': motors, rates, velocity, pos",
+            r"action = 'thrust': motors, rates, attitude, velocity, pos",
         ),
         (
             lambda: EnvironmentCfg(action_hz=60),
