@@ -177,7 +177,7 @@ def _roll_rad(rng: np.random.Generator) -> float:
 def _draw_path(place: Place, rng: np.random.Generator) -> SplinePath:
     scene = place.scene
     try:
-        reach = Reach.of(scene, airframe_by_name(_VEHICLE))
+        reach = Reach.from_scene(scene, airframe_by_name(_VEHICLE))
     except NoTaskError as error:
         raise ImagesError(f"{error}; or --poses free") from None
     surfaces = [scene.start_position_enu_m, *(area.centroid for area in scene.landing_areas)]
