@@ -192,7 +192,7 @@ def _draw_path(place: Place, rng: np.random.Generator) -> SplinePath:
                 ends.append(reach.place_above(surfaces[int(rng.integers(len(surfaces)))]))
         if None in ends or math.dist(*ends) < _LEAST_FLIGHT_M:
             continue
-        corners = reach.way(*ends)
+        corners = reach.shortest_path(*ends)
         if corners is not None:
             return smooth_path([tuple(corner) for corner in corners.tolist()], is_loop=False)
     raise ImagesError(

@@ -51,9 +51,9 @@ _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAN
 class Guard:
     """Checks the conditions of every phase in the air."""
 
-    def __init__(self, flight: FlightState, way: EnRoutePhases, stretch: LastStretch) -> None:
-        self._flight, self._way, self._stretch = flight, way, stretch
-        self._lookout = Lookout(flight, way)
+    def __init__(self, flight: FlightState, en_route: EnRoutePhases, stretch: LastStretch) -> None:
+        self._flight, self._en_route, self._stretch = flight, en_route, stretch
+        self._lookout = Lookout(flight, en_route)
         self._position_ms = -1
         self._heard_us = 0
         self._deviation_due_us = 0
@@ -103,7 +103,7 @@ class Guard:
         if flight.complaint is None or phase in _NEVER_HOLD:
             return None
         if phase is not Phase.HOLD:
-            return self._way.hold(flight.complaint)
+            return self._en_route.hold(flight.complaint)
         if flight.elapsed_s > PATIENCE_S:
             flight.given_up = flight.given_up or flight.complaint
             return Phase.HAND_OVER, flight.complaint
@@ -168,13 +168,13 @@ class Guard:
         reason = f"{away_m:.2f} m from the plan, {limit_m:.2f} m are allowed"
         start = state_at_take_over(flight)
         if phase is Phase.HOLD:
-            return self._way.stop_elsewhere(reason, start)
+            return self._en_route.stop_elsewhere(reason, start)
         if phase not in ON_THE_WAY:
-            return self._way.hold(reason, start)
+            return self._en_route.hold(reason, start)
         try:
-            flight.go_on_from(start, self._way.goal_enu_m, reason)
+            flight.go_on_from(start, self._en_route.goal_enu_m, reason)
         except PlanningError as error:
-            return self._way.hold(f"{reason}; {error}", start)
+            return self._en_route.hold(f"{reason}; {error}", start)
         return None
 
     def _still_rises(self) -> bool:
@@ -216,7 +216,7 @@ class Guard:
     def _go_home(self, phase: Phase, reason: str) -> Step:
         """Give up; a hold that is not at rest yet goes on, once more as long, and leads home."""
         flight = self._flight
-        step = self._way.go_home(reason)
+        step = self._en_route.go_home(reason)
         if phase is Phase.HOLD and step is not None and step[0] is Phase.HOLD:
             flight.since_us = flight.time_us
             return None
