@@ -14,7 +14,7 @@ import numpy as np
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import Vector3
 from scenarios.pilot.en_route_phases import EnRoutePhases
-from scenarios.pilot.final_descent import LastStretch
+from scenarios.pilot.final_descent import FinalDescent
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
@@ -51,8 +51,8 @@ _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAN
 class Guard:
     """Checks the conditions of every phase in the air."""
 
-    def __init__(self, flight: FlightState, en_route: EnRoutePhases, stretch: LastStretch) -> None:
-        self._flight, self._en_route, self._stretch = flight, en_route, stretch
+    def __init__(self, flight: FlightState, en_route: EnRoutePhases, descent: FinalDescent) -> None:
+        self._flight, self._en_route, self._descent = flight, en_route, descent
         self._lookout = Lookout(flight, en_route)
         self._position_ms = -1
         self._heard_us = 0
@@ -206,7 +206,7 @@ class Guard:
             return None
         reason = f"phase {phase.value} took more than {limit_s:.0f} s"
         if phase is Phase.TOUCHDOWN:
-            return self._stretch.leave(reason)
+            return self._descent.leave(reason)
         if phase not in IN_THE_AIR:
             return Phase.FAILED, reason + flight.last_words()
         if flight.given_up is not None:

@@ -25,7 +25,7 @@ from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
 from scenarios.pilot.depth_frames import Frames
 from scenarios.pilot.en_route_phases import EnRoutePhases
-from scenarios.pilot.final_descent import LastStretch
+from scenarios.pilot.final_descent import FinalDescent
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground_phases import GroundPhases
@@ -103,8 +103,8 @@ class Pilot:
         en_route = EnRoutePhases(flight, area)
         # Set afterwards: each of the two needs the other.
         area.fallbacks = en_route
-        stretch = LastStretch(flight)
-        self._guard = Guard(flight, en_route, stretch)
+        descent = FinalDescent(flight)
+        self._guard = Guard(flight, en_route, descent)
         self.phase = Phase.CONNECT
         self.verdict = _unfinished(self.phase)
         self.transitions: list[Transition] = []
@@ -117,7 +117,7 @@ class Pilot:
             Phase.SEARCH: area.search,
             Phase.ALIGN: area.align,
             Phase.DESCEND: area.descend,
-            Phase.TOUCHDOWN: stretch.touch_down,
+            Phase.TOUCHDOWN: descent.touch_down,
             Phase.DISARM: self._ground.disarm,
             Phase.CLIMB: area.climb,
             Phase.HOLD: en_route.wait,
