@@ -5,7 +5,7 @@ from __future__ import annotations
 from aeroscene.layouts.document import LayoutObject
 from aeroscene.layouts.house import ROOF_M
 from aeroscene.layouts.mapping import form_of
-from aeroscene.layouts.site import Kept, Site
+from aeroscene.layouts.site import KeptObject, Site
 from aeroscene.scene import AttributeValue, ObjectDomain, OrientedBox, SceneObject
 from aeroscene.scene.catalogue import ROOMS
 from aeroscene.scene.hanging import PENDANT
@@ -38,7 +38,7 @@ def place_objects(site: Site) -> None:
 
 def _add(
     site: Site,
-    kept: Kept,
+    kept: KeptObject,
     domain: ObjectDomain,
     parent_id: int | None,
     attributes: dict[str, AttributeValue],
@@ -76,7 +76,7 @@ def _domain(site: Site, parent_id: int | None) -> ObjectDomain:
     return "indoor" if parent.category in _ROOFED else parent.domain
 
 
-def _attributes(obj: LayoutObject, kept: Kept) -> dict[str, AttributeValue]:
+def _attributes(obj: LayoutObject, kept: KeptObject) -> dict[str, AttributeValue]:
     """Attributes of an object: its name in the source, and the closest form of our shape."""
     attributes: dict[str, AttributeValue] = {"source_category": obj.category}
     if obj.name and obj.name != obj.category:

@@ -38,7 +38,7 @@ Grounds = Sequence[Sequence[BaseGeometry]]
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class KeptObject:
     """An object of the layout that is in our scene."""
 
     category: str
@@ -66,7 +66,7 @@ class Site:
     is_indoor: bool
     bounds: Rectangle
     """Bounds of the source's ground."""
-    kept: dict[int, Kept] = field(default_factory=dict)
+    kept: dict[int, KeptObject] = field(default_factory=dict)
     """Objects that are kept, under their index in the layout."""
     mapped: Counter[tuple[str, str, Fit]] = field(default_factory=Counter)
     unmapped: Counter[str] = field(default_factory=Counter)
@@ -123,7 +123,7 @@ def _decide(site: Site, index: int, obj: LayoutObject) -> None:
         where = f"scene {site.layout.scene_id!r}: object {index}"
         site.unmapped_first.setdefault(obj.category, where)
         return
-    kept = Kept(found.category, our_box(obj, site.layout.front, site.lift_m))
+    kept = KeptObject(found.category, our_box(obj, site.layout.front, site.lift_m))
     reason = _reason_to_drop(site, kept)
     if reason:
         site.dropped[reason] += 1
@@ -150,7 +150,7 @@ def our_box(obj: LayoutObject, front: str, lift_m: float) -> OrientedBox:
     return OrientedBox((obj.p[0], obj.p[1], round(obj.p[2] + lift_m, 4)), (w, x, y, z), s)
 
 
-def _reason_to_drop(site: Site, kept: Kept) -> str | None:
+def _reason_to_drop(site: Site, kept: KeptObject) -> str | None:
     x, y, _ = kept.box.p
     x0, y0, x1, y1 = site.bounds
     if not (x0 - _OUTSIDE_M <= x <= x1 + _OUTSIDE_M and y0 - _OUTSIDE_M <= y <= y1 + _OUTSIDE_M):

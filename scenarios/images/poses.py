@@ -177,7 +177,7 @@ def _roll_rad(rng: np.random.Generator) -> float:
 def _draw_path(place: Place, rng: np.random.Generator) -> SplinePath:
     scene = place.scene
     try:
-        reach = Reach.of(scene, airframe_by_name(_VEHICLE))
+        reach = Reach.from_scene(scene, airframe_by_name(_VEHICLE))
     except NoTaskError as error:
         raise ImagesError(f"{error}; or --poses free") from None
     surfaces = [scene.start_position_enu_m, *(area.centroid for area in scene.landing_areas)]
@@ -192,7 +192,7 @@ def _draw_path(place: Place, rng: np.random.Generator) -> SplinePath:
                 ends.append(reach.place_above(surfaces[int(rng.integers(len(surfaces)))]))
         if None in ends or math.dist(*ends) < _LEAST_FLIGHT_M:
             continue
-        corners = reach.way(*ends)
+        corners = reach.shortest_path(*ends)
         if corners is not None:
             return smooth_path([tuple(corner) for corner in corners.tolist()], is_loop=False)
     raise ImagesError(

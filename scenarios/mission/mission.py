@@ -52,7 +52,7 @@ class Mission:
     trajectory: Trajectory
     """Plan from above the start to the hover point; in a growing map, a stay above the start."""
 
-    def way_enu_m(self, step_s: float) -> Float[np.ndarray, "n 3"] | None:
+    def path_enu_m(self, step_s: float) -> Float[np.ndarray, "n 3"] | None:
         """Return points of the path planned before the take-off, from the start to the hover point.
 
         Args:
@@ -113,7 +113,7 @@ def plan_mission(
             reason = f"area {candidate.id} has no free place to hover above it"
             continue
         try:
-            trajectory = _first_way(surroundings, takeoff, hover)
+            trajectory = _first_plan(surroundings, takeoff, hover)
         except PlanningError as error:
             reason = f"area {candidate.id}: {error}"
             continue
@@ -131,7 +131,7 @@ def plan_mission(
     raise MissionError(f"scene {scene.scene_id}, {airframe.name}: {reason}")
 
 
-def _first_way(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3) -> Trajectory:
+def _first_plan(world: Surroundings, takeoff_enu_m: Vector3, hover_enu_m: Vector3) -> Trajectory:
     """Plan from above the start to above the area; in an empty map, stay above the start.
 
     Raises:

@@ -53,7 +53,7 @@ def steady_within(tracking: TrackingStatistics) -> tuple[float, float]:
     )
 
 
-class LastStretch:
+class FinalDescent:
     """Flies the phase of the touchdown."""
 
     def __init__(self, flight: FlightState) -> None:

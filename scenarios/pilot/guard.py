@@ -14,7 +14,7 @@ import numpy as np
 from autonomy.planning import PlanningError, Trajectory
 from autonomy.types import Vector3
 from scenarios.pilot.en_route_phases import EnRoutePhases
-from scenarios.pilot.final_descent import LastStretch
+from scenarios.pilot.final_descent import FinalDescent
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.lookout import Lookout
 from scenarios.pilot.phases import IN_THE_AIR, ON_THE_WAY, TIME_LIMIT_S, Phase, Step
@@ -51,9 +51,9 @@ _GOING_DOWN = frozenset({Phase.DESCEND, Phase.TOUCHDOWN, Phase.RETURN, Phase.LAN
 class Guard:
     """Checks the conditions of every phase in the air."""
 
-    def __init__(self, flight: FlightState, way: EnRoutePhases, stretch: LastStretch) -> None:
-        self._flight, self._way, self._stretch = flight, way, stretch
-        self._lookout = Lookout(flight, way)
+    def __init__(self, flight: FlightState, en_route: EnRoutePhases, descent: FinalDescent) -> None:
+        self._flight, self._en_route, self._descent = flight, en_route, descent
+        self._lookout = Lookout(flight, en_route)
         self._position_ms = -1
         self._heard_us = 0
         self._deviation_due_us = 0
@@ -103,7 +103,7 @@ class Guard:
         if flight.complaint is None or phase in _NEVER_HOLD:
             return None
         if phase is not Phase.HOLD:
-            return self._way.hold(flight.complaint)
+            return self._en_route.hold(flight.complaint)
         if flight.elapsed_s > PATIENCE_S:
             flight.given_up = flight.given_up or flight.complaint
             return Phase.HAND_OVER, flight.complaint
@@ -168,13 +168,13 @@ class Guard:
         reason = f"{away_m:.2f} m from the plan, {limit_m:.2f} m are allowed"
         start = state_at_take_over(flight)
         if phase is Phase.HOLD:
-            return self._way.stop_elsewhere(reason, start)
+            return self._en_route.stop_elsewhere(reason, start)
         if phase not in ON_THE_WAY:
-            return self._way.hold(reason, start)
+            return self._en_route.hold(reason, start)
         try:
-            flight.go_on_from(start, self._way.goal_enu_m, reason)
+            flight.go_on_from(start, self._en_route.goal_enu_m, reason)
         except PlanningError as error:
-            return self._way.hold(f"{reason}; {error}", start)
+            return self._en_route.hold(f"{reason}; {error}", start)
         return None
 
     def _still_rises(self) -> bool:
@@ -206,7 +206,7 @@ class Guard:
             return None
         reason = f"phase {phase.value} took more than {limit_s:.0f} s"
         if phase is Phase.TOUCHDOWN:
-            return self._stretch.leave(reason)
+            return self._descent.leave(reason)
         if phase not in IN_THE_AIR:
             return Phase.FAILED, reason + flight.last_words()
         if flight.given_up is not None:
@@ -216,7 +216,7 @@ class Guard:
     def _go_home(self, phase: Phase, reason: str) -> Step:
         """Give up; a hold that is not at rest yet goes on, once more as long, and leads home."""
         flight = self._flight
-        step = self._way.go_home(reason)
+        step = self._en_route.go_home(reason)
         if phase is Phase.HOLD and step is not None and step[0] is Phase.HOLD:
             flight.since_us = flight.time_us
             return None

@@ -26,8 +26,8 @@ _STEP_S = 0.1  # between the samples of a plan that are checked
 class Lookout:
     """Looks ahead, and changes the course if necessary."""
 
-    def __init__(self, flight: FlightState, way: EnRoutePhases) -> None:
-        self._flight, self._way = flight, way
+    def __init__(self, flight: FlightState, en_route: EnRoutePhases) -> None:
+        self._flight, self._en_route = flight, en_route
 
     def check(self, phase: Phase) -> Step:
         """Return the action demanded by the latest images, None if the plan still holds."""
@@ -65,17 +65,17 @@ class Lookout:
             return None
         reason = f"something that moves would come within {max(room_m, 0.0):.2f} m"
         if phase is Phase.HOLD:
-            return self._way.stop_elsewhere(reason)
+            return self._en_route.stop_elsewhere(reason)
         if phase in ON_THE_WAY:
             try:
                 flight.replan(reason)
             except PlanningError as error:
-                return self._way.hold(f"{reason}; {error}")
+                return self._en_route.hold(f"{reason}; {error}")
             if flight.room_to_movers_m() < KEEP_FROM_MOVERS_M:
                 # No path to the plan's end helps if the mover comes there afterwards.
-                return self._way.hold(f"{reason} where the plan ends")
+                return self._en_route.hold(f"{reason} where the plan ends")
             return None
-        return self._way.hold(reason)
+        return self._en_route.hold(reason)
 
     def _unseen(self, phase: Phase) -> Step:
         """Check, in a growing map, that the plan is still free and reaches as far as possible."""
@@ -86,16 +86,16 @@ class Lookout:
         since_s = flight.course.elapsed_s(flight.take_over_us)
         is_free = self._is_free(since_s)
         left_s = flight.course.trajectory.duration_s - since_s
-        is_short = left_s < UNSEEN_AHEAD_S and not flight.is_at_end(self._way.goal_enu_m)
+        is_short = left_s < UNSEEN_AHEAD_S and not flight.is_at_end(self._en_route.goal_enu_m)
         if is_free and not is_short:
             return None
         reason = "more of the map was seen" if is_free else "something stands in the way"
         try:
             start = flight.course.reference(flight.take_over_us)
-            flight.go_on_from(start, self._way.goal_enu_m, reason)
+            flight.go_on_from(start, self._en_route.goal_enu_m, reason)
         except PlanningError as error:
             # The present plan ends at rest within the known free space.
-            return None if is_free else self._way.hold(f"{reason}; {error}")
+            return None if is_free else self._en_route.hold(f"{reason}; {error}")
         return None
 
     def _is_free(self, since_s: float) -> bool:

@@ -25,7 +25,7 @@ from scenarios.mission.mission import Mission
 from scenarios.pilot.course import Course
 from scenarios.pilot.depth_frames import Frames
 from scenarios.pilot.en_route_phases import EnRoutePhases
-from scenarios.pilot.final_descent import LastStretch
+from scenarios.pilot.final_descent import FinalDescent
 from scenarios.pilot.flight_state import FlightState
 from scenarios.pilot.gaze import Gaze
 from scenarios.pilot.ground_phases import GroundPhases
@@ -100,11 +100,11 @@ class Pilot:
         )
         self.mission = mission
         self._ground, area = GroundPhases(flight), LandingPhases(flight)
-        way = EnRoutePhases(flight, area)
+        en_route = EnRoutePhases(flight, area)
         # Set afterwards: each of the two needs the other.
-        area.fallbacks = way
-        stretch = LastStretch(flight)
-        self._guard = Guard(flight, way, stretch)
+        area.fallbacks = en_route
+        descent = FinalDescent(flight)
+        self._guard = Guard(flight, en_route, descent)
         self.phase = Phase.CONNECT
         self.verdict = _unfinished(self.phase)
         self.transitions: list[Transition] = []
@@ -112,18 +112,18 @@ class Pilot:
             Phase.CONNECT: self._ground.connect,
             Phase.PREPARE: self._ground.prepare,
             Phase.ARM: self._ground.arm,
-            Phase.TAKEOFF: way.take_off,
-            Phase.NAVIGATE: way.navigate,
+            Phase.TAKEOFF: en_route.take_off,
+            Phase.NAVIGATE: en_route.navigate,
             Phase.SEARCH: area.search,
             Phase.ALIGN: area.align,
             Phase.DESCEND: area.descend,
-            Phase.TOUCHDOWN: stretch.touch_down,
+            Phase.TOUCHDOWN: descent.touch_down,
             Phase.DISARM: self._ground.disarm,
             Phase.CLIMB: area.climb,
-            Phase.HOLD: way.wait,
-            Phase.RETURN: way.fly_home,
-            Phase.LAND_HOME: way.land_home,
-            Phase.HAND_OVER: way.hand_over,
+            Phase.HOLD: en_route.wait,
+            Phase.RETURN: en_route.fly_home,
+            Phase.LAND_HOME: en_route.land_home,
+            Phase.HAND_OVER: en_route.hand_over,
         }
 
     @property
@@ -149,7 +149,7 @@ class Pilot:
     @property
     def planned_enu_m(self) -> Float[np.ndarray, "n 3"] | None:
         """Path that was planned before the take-off; None in a growing map."""
-        return self.mission.way_enu_m(_PLANNED_STEP_S)
+        return self.mission.path_enu_m(_PLANNED_STEP_S)
 
     @property
     def landing_map(self) -> LandingMap | None:

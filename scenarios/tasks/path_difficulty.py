@@ -79,7 +79,7 @@ def measure_path(
 
     Args:
         reach: Free space that the path leads through.
-        corners: The path, as `Reach.way` finds it, ENU.
+        corners: The path, as `Reach.shortest_path` finds it, ENU.
         find_openings: Returns the openings of the scene, those about some points at least; called
             only if the path is narrow.
     """

@@ -118,7 +118,9 @@ class Reach:
         first = column[highest].tolist()
         return (first[0], first[1], first[2])
 
-    def way(self, start_enu_m: Vector3, goal_enu_m: Vector3) -> Float[np.ndarray, "n 3"] | None:
+    def shortest_path(
+        self, start_enu_m: Vector3, goal_enu_m: Vector3
+    ) -> Float[np.ndarray, "n 3"] | None:
         """The corners of the shortest path between two places of the sphere; None without any.
 
         Closeness costs a little, so that the path keeps to the middle of narrow places.

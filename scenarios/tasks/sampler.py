@@ -48,7 +48,7 @@ _SEEDS = 2**31
 MOST_SHARE = 0.05
 """Greatest share of the fitting areas that may belong to the place that a text means: a pilot that
 lands anywhere must not be right more often."""
-_MOST_WAYS = 4
+_MOST_PATHS = 4
 """Number of nearest areas of such a place to which paths are measured."""
 _KEPT_SCENES = 2  # of openings, which take seconds to find
 _T = TypeVar("_T")
@@ -97,7 +97,7 @@ class Sampler:
         """Place of the vehicle's sphere above each start; None if it cannot stand there, or not
         rise."""
         self._goals: dict[tuple[int, _Asked], WordGoal | None] = {}
-        self._ways: dict[tuple[Vector3, int], PathFigures | None] = {}
+        self._paths: dict[tuple[Vector3, int], PathFigures | None] = {}
 
     def task(self, trial: int) -> Task:
         """Return the task of a trial by its number.
@@ -114,8 +114,8 @@ class Sampler:
         seed = int(rng.integers(_SEEDS))
         kind = _one(generator(recipe.seed, scene_id, "goal kind", *stream), recipe.goals)
         asked = None if kind == "area" else _Asked(kind, seed)
-        ways = generator(recipe.seed, scene_id, "way", *stream)
-        start, area, way = self._draw_way(trial, ways, asked)
+        path_draws = generator(recipe.seed, scene_id, "way", *stream)
+        start, area, path = self._draw_path(trial, path_draws, asked)
         goal = None if asked is None else self._goal(area, asked)
         weather = self._draw_weather(generator(recipe.seed, scene_id, "light", *stream))
         # Fields that draw from `rng` do so in this order: a new one must come last, or tasks
@@ -145,8 +145,8 @@ class Sampler:
             failures=self._draw_failures(rng),
             light=str(weather),
             season=weather.season,
-            navigation_limit_s=self._navigation_limit_s(way),
-            way=way,
+            navigation_limit_s=self._navigation_limit_s(path),
+            way=path,
         )
 
     def _draw_weather(self, rng: np.random.Generator) -> Weather:
@@ -169,13 +169,13 @@ class Sampler:
             raise NoTaskError(f"{self._airframe.name}: {error}") from None
         return failures
 
-    def _navigation_limit_s(self, way: PathFigures) -> float | None:
+    def _navigation_limit_s(self, path: PathFigures) -> float | None:
         within = self._recipe.navigation_within
         if within is None:
             return None
-        return round(within * least_navigation_s(way.way_m, self._airframe), 2)
+        return round(within * least_navigation_s(path.way_m, self._airframe), 2)
 
-    def _draw_way(
+    def _draw_path(
         self, trial: int, rng: np.random.Generator, asked: _Asked | None
     ) -> tuple[_Start, InteractionArea, PathFigures]:
         """Draw start, area and path: of the grade whose turn it is, else the nearest to it."""
@@ -187,11 +187,11 @@ class Sampler:
             area = None if start is None else self._draw_area(start, seed, asked)
             if start is None or area is None:
                 continue
-            if (nearest := self._nearest_way(start, area, asked)) is None:
+            if (nearest := self._nearest_path(start, area, asked)) is None:
                 continue
-            area, way = nearest
-            found.append((start, area, way))
-            if way.grade == wanted or len(found) == self._recipe.draws:
+            area, path = nearest
+            found.append((start, area, path))
+            if path.grade == wanted or len(found) == self._recipe.draws:
                 break
         if not found:
             raise NoTaskError(
@@ -249,7 +249,7 @@ class Sampler:
             self._goals[key] = None if goal is None else fitting(goal, self._airframe)
         return self._goals[key]
 
-    def _nearest_way(
+    def _nearest_path(
         self, start: _Start, area: InteractionArea, asked: _Asked | None
     ) -> tuple[InteractionArea, PathFigures] | None:
         """Return the area with the shortest path among those on which a landing is a success."""
@@ -257,8 +257,8 @@ class Sampler:
         areas = [area] if goal is None else goal.areas
         # Only a few paths are searched; the straight distance selects them.
         near = sorted(areas, key=lambda each: math.dist(each.centroid, start.position_enu_m))
-        ways = [(each, self._way(start.position_enu_m, each)) for each in near[:_MOST_WAYS]]
-        found = [(each, way) for each, way in ways if way is not None]
+        paths = [(each, self._path(start.position_enu_m, each)) for each in near[:_MOST_PATHS]]
+        found = [(each, path) for each, path in paths if path is not None]
         return min(found, key=lambda each: each[1].way_m, default=None)
 
     def _may_end(self, start: _Start, area: InteractionArea) -> bool:
@@ -268,16 +268,16 @@ class Sampler:
     def _side(self, area: InteractionArea) -> Side:
         return "indoor" if is_indoor(self._scene, area) else "outdoor"
 
-    def _way(self, start: Vector3, area: InteractionArea) -> PathFigures | None:
+    def _path(self, start: Vector3, area: InteractionArea) -> PathFigures | None:
         """Return the figures of the path from a start to an area; None if there is none."""
         key = (start, area.id)
-        if key not in self._ways:
-            self._ways[key] = self._measured(start, area)
-        return self._ways[key]
+        if key not in self._paths:
+            self._paths[key] = self._measured(start, area)
+        return self._paths[key]
 
     def _measured(self, start: Vector3, area: InteractionArea) -> PathFigures | None:
         begin, end = self._place(start), self._reach.place_above(area.centroid)
-        corners = None if begin is None or end is None else self._reach.way(begin, end)
+        corners = None if begin is None or end is None else self._reach.shortest_path(begin, end)
         if corners is None:
             return None
         if (wide := self._reach.wide) is not None:

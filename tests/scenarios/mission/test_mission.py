@@ -78,13 +78,13 @@ def test_a_mission_leads_from_above_the_start_to_above_the_area():
     assert mission.hover_enu_m[2] > TOP_M + 1.0
     dense = mission.trajectory.positions(np.linspace(0, mission.trajectory.duration_s, 2000))
     assert world.clearance_m(dense).min() >= mission.trajectory.min_clearance_m > 0
-    way = mission.way_enu_m(0.5)
-    assert way is not None
-    assert tuple(way[0]) == world.scene.start_position_enu_m
-    np.testing.assert_allclose(way[1], mission.takeoff_enu_m, atol=1e-6)
-    np.testing.assert_allclose(way[-1], mission.hover_enu_m, atol=1e-6)
+    path = mission.path_enu_m(0.5)
+    assert path is not None
+    assert tuple(path[0]) == world.scene.start_position_enu_m
+    np.testing.assert_allclose(path[1], mission.takeoff_enu_m, atol=1e-6)
+    np.testing.assert_allclose(path[-1], mission.hover_enu_m, atol=1e-6)
     onboard = survey(world.scene, IRIS, map_source="onboard")
-    assert dataclasses.replace(mission, surroundings=onboard).way_enu_m(0.5) is None
+    assert dataclasses.replace(mission, surroundings=onboard).path_enu_m(0.5) is None
 
 
 def test_without_a_choice_an_area_is_drawn_and_others_are_kept():

@@ -49,7 +49,7 @@ def test_ways_across_are_as_quick_as_in_a_whole_map_and_are_proved(scene_42, iri
         assert wide.hover_enu_m == whole.hover_enu_m
         assert wide.trajectory.duration_s <= 1.1 * whole.trajectory.duration_s
         # The proof in the other map's terms too.
-        assert whole.surroundings.clearance_m(wide.way_enu_m(0.05)[1:]).min() > 0.05
+        assert whole.surroundings.clearance_m(wide.path_enu_m(0.05)[1:]).min() > 0.05
 
 
 @pytest.mark.usefixtures("everything_is_wide")

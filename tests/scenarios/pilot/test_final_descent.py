@@ -11,7 +11,7 @@ from scenarios.pilot.final_descent import (
     LAST_HEIGHT_M,
     MOST_TILT_RAD,
     MOST_WIND_MPS,
-    LastStretch,
+    FinalDescent,
 )
 from scenarios.pilot.flight_state import FlightState
 from tests.scenarios.landing_scenes import yard
@@ -39,7 +39,7 @@ def be_at(flight, *, aside_m=0.0, height_m=0.5, speed_mps=0.0, wind_mps=8.0, til
 
 def stay(flight, seconds):
     """Let the stretch decide for a while, wherever the vehicle was put; return the last step."""
-    stretch, step = LastStretch(flight), None
+    stretch, step = FinalDescent(flight), None
     for _ in range(round(seconds * 50)):
         flight.time_us += 20_000
         step = step or stretch.touch_down()
