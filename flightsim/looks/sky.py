@@ -39,19 +39,6 @@ _STAR_RADIUS = 0.16
 """Radius of a star in cells: a third of a degree, as fine as the table."""
 
 
-def sky_rgb(
-    rays_enu: Float[np.ndarray, "n 3"], colours: SkyColours = AFTERNOON.sky
-) -> UInt8[np.ndarray, "n 3"]:
-    """Colour of the sky along rays of any length, from a table of a third of a degree."""
-    x, y, z = np.asarray(rays_enu, dtype=np.float32).T
-    scale = np.sqrt(x * x + y * y + z * z) + z
-    # Straight down there is no sky; any finite number works.
-    scale = (_TABLE_PIXELS / 2 / _TABLE_REACH) / np.maximum(scale, 1e-6)
-    column = np.clip(x * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
-    row = np.clip(y * scale + _TABLE_PIXELS / 2, 0, _TABLE_PIXELS - 1).astype(np.int32)
-    return _table(colours)[row, column]
-
-
 def fill_sky(
     rgb: UInt8[np.ndarray, "h w 3"],
     depth_m: Float[np.ndarray, "h w"],
@@ -59,7 +46,9 @@ def fill_sky(
     focal_px: float,
     colours: SkyColours = AFTERNOON.sky,
 ) -> None:
-    """Write the colour of `sky_rgb` into every pixel of a picture that shows nothing.
+    """Write the sky into every pixel of a picture that shows nothing.
+
+    The colours come from a table of a third of a degree.
 
     Args:
         rgb: Picture, changed.
@@ -107,10 +96,11 @@ def fill_from_table(
             if depth_m[row, column] != np.inf:
                 continue
             right = (np.float32(column) - middle_column) / focal_px
-            # In the order of `Viewpoint.rays_enu` and `sky_rgb`, so that all round alike.
+            # In the order of `Viewpoint.rays_enu`, so that both round alike.
             x = right * turn[0, 0] + (down * turn[0, 1] + turn[0, 2])
             y = right * turn[1, 0] + (down * turn[1, 1] + turn[1, 2])
             z = right * turn[2, 0] + (down * turn[2, 1] + turn[2, 2])
+            # Straight down there is no sky; any finite number works.
             scale = reach_px / max(np.sqrt(x * x + y * y + z * z) + z, np.float32(1e-6))
             i = int(min(max(y * scale + half_px, np.float32(0.0)), most_px))
             j = int(min(max(x * scale + half_px, np.float32(0.0)), most_px))

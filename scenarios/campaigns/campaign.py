@@ -221,13 +221,14 @@ def require_same_suite(folder: Path, suite: Suite) -> None:
     if read_suite(folder) is None:
         return
     # Campaigns of earlier versions name no equipment, and had the usual one.
-    present = json.loads(json.dumps(Equipment().to_plain())) | _flat(read_manifest(folder))
+    usual = {"suite": {"equipment": json.loads(json.dumps(Equipment().to_plain()))}}
+    present = _flat(usual) | _flat(read_manifest(folder))
     # Through JSON, which knows no tuples.
-    for name, value in _flat(json.loads(json.dumps(_manifest(suite)))).items():
-        if present.get(name) != value:
+    for path, value in _flat(json.loads(json.dumps(_manifest(suite)))).items():
+        if present.get(path) != value:
             raise CampaignError(
-                f"out {str(folder)!r} holds a campaign with {name} {present.get(name)!r} instead "
-                f"of {value!r}; valid: another folder, or the same options"
+                f"out {str(folder)!r} holds a campaign with {path[-1]} {present.get(path)!r} "
+                f"instead of {value!r}; valid: another folder, or the same options"
             )
 
 
@@ -239,9 +240,10 @@ def _manifest(suite: Suite) -> dict[str, Any]:
     }
 
 
-def _flat(plain: dict[str, Any]) -> dict[str, Any]:
-    """Return the values by their names alone, without the levels above."""
-    found: dict[str, Any] = {}
+def _flat(plain: dict[str, Any], above: tuple[str, ...] = ()) -> dict[tuple[str, ...], Any]:
+    """Return the values by their paths: recipes and equipment share some names."""
+    found: dict[tuple[str, ...], Any] = {}
     for name, value in plain.items():
-        found |= _flat(value) if isinstance(value, dict) else {name: value}
+        path = (*above, name)
+        found |= _flat(value, path) if isinstance(value, dict) else {path: value}
     return found

@@ -1,7 +1,8 @@
 import numpy as np
 
+from flightsim.cameras import Viewpoint
 from flightsim.looks.light import AFTERNOON, light_of
-from flightsim.looks.sky import painted_sky, sky_rgb
+from flightsim.looks.sky import fill_sky, painted_sky
 from flightsim.looks.weather import parse_weather
 
 TO_SUN = AFTERNOON.to_sun
@@ -42,16 +43,31 @@ def test_hills_close_the_horizon_and_land_lies_below():
     assert (below[:, 1] > below[:, 2]).all()
 
 
-def test_table_is_the_painted_sky_for_rays_of_any_length():
-    rays = directions()
-    exact = (255 * painted_sky(rays)).astype(int)
-    quick = sky_rgb((7.3 * rays).astype(np.float32)).astype(int)
-    assert np.median(np.abs(exact - quick)) <= 1
-    assert np.quantile(np.abs(exact - quick), 0.98) < 12
+def test_pixels_without_a_surface_show_the_painted_sky_and_others_stay():
+    # Level to the west: north is to the right.
+    turn = np.column_stack([(0.0, 1.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0)])
+    view = Viewpoint(
+        name="west",
+        position_enu_m=np.zeros(3),
+        rotation_enu_from_optical=turn,
+        vertical_fov_rad=1.2,
+    )
+    rgb, depth_m = np.full((60, 80, 3), 7, np.uint8), np.full((60, 80), np.inf, np.float32)
+    depth_m[50:] = 3.0
+    fill_sky(rgb, depth_m, turn, view.focal_px(60))
+    assert (rgb[50:] == 7).all()
+    rays = view.rays_enu(80, 60)[:50].reshape(-1, 3)
+    exact = 255 * painted_sky(rays / np.linalg.norm(rays, axis=1, keepdims=True))
+    away = np.abs(exact.astype(int) - rgb[:50].reshape(-1, 3))
+    assert np.median(away) <= 1
+    assert np.quantile(away, 0.95) < 12
 
 
 def test_straight_down_is_some_colour_too():
-    assert sky_rgb(np.array([[0.0, 0.0, -1.0]])).shape == (1, 3)
+    rgb = np.zeros((1, 1, 3), np.uint8)
+    down = np.diag([1.0, -1.0, -1.0])
+    fill_sky(rgb, np.full((1, 1), np.inf, np.float32), down, 1.0)
+    assert rgb.any()
 
 
 def sky_of(text):

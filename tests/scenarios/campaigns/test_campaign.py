@@ -24,6 +24,7 @@ from scenarios.campaigns.recordings import Recordings
 from scenarios.campaigns.store import JOURNAL, TABLES, open_store, read_results
 from scenarios.recording.summary import summarise
 from scenarios.run.cfg import MAX_CAMERA_HZ, SitlCfg
+from scenarios.tasks.recipe import Recipe
 from tests.scenarios.in_process import in_process
 
 STUBS = "tests.scenarios.campaigns.stub_pilots"
@@ -203,10 +204,29 @@ def test_a_campaign_of_before_there_was_equipment_goes_on(tmp_path):
         require_same_suite(tmp_path, Suite(equipment=Equipment(lidar="vlp16")))
 
 
+def test_a_recipe_in_another_light_is_another_suite(tmp_path):
+    with open_campaign(tmp_path, Suite(recipe=Recipe(light=("night",)))):
+        pass
+    with pytest.raises(CampaignError, match=r"light \['night'\] instead of \['random'\]"):
+        require_same_suite(tmp_path, Suite(recipe=Recipe(light=("random",))))
+
+
+def test_light_and_season_are_the_recipes_unless_the_equipment_names_them():
+    cfg = SitlCfg(scene="field", bench=TestbenchCfg(light="night", season="winter"))
+    for equipment, light, season in (
+        (Equipment(), "night", "winter"),
+        (Equipment(light="dusk"), "dusk", "winter"),
+        (Equipment(season="spring"), "night", "spring"),
+    ):
+        bench = equipment.fitted(cfg).bench
+        assert (bench.light, bench.season) == (light, season)
+
+
 def test_equipment_has_the_options_and_defaults_of_sitl():
     bench = TestbenchCfg()
     for name, value in Equipment().to_plain().items():
-        assert getattr(bench, name) == value
+        if name not in {"light", "season"}:
+            assert getattr(bench, name) == value
     assert MOST_CAMERA_HZ == MAX_CAMERA_HZ
     assert SitlCfg().camera_hz == Recordings(folder=Path()).camera_hz
 
