@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from aeroscene.scene import Scene
 from aeroscene.scene.relief import ground_m
-from aeroscene.solids.field_cache import kept_distance_field
+from aeroscene.solids.field_cache import cached_distance_field
 from aeroscene.solids.freespace import NoFreeSpaceError, reachable
 from aeroscene.solids.shapes import scene_primitives
 from aeroscene.solids.wide_field import is_wide
@@ -48,7 +48,7 @@ class Place:
             )
         # A large scene has coarser cells, so that its field fits into memory.
         resolution_m = next(r for r in _RESOLUTIONS_M if not is_wide(scene, r))
-        self._field = kept_distance_field(scene, resolution_m, scene_primitives(scene))
+        self._field = cached_distance_field(scene, resolution_m, scene_primitives(scene))
         try:
             self._is_reached = reachable(self._field, scene.start_position_enu_m, _SPHERE_M)
         except NoFreeSpaceError:

@@ -177,7 +177,7 @@ def _roll_rad(rng: np.random.Generator) -> float:
 def _draw_path(place: Place, rng: np.random.Generator) -> SplinePath:
     scene = place.scene
     try:
-        reach = Reach.of(scene, airframe_by_name(_VEHICLE))
+        reach = Reach.from_scene(scene, airframe_by_name(_VEHICLE))
     except NoTaskError as error:
         raise ImagesError(f"{error}; or --poses free") from None
     surfaces = [scene.start_position_enu_m, *(area.centroid for area in scene.landing_areas)]
@@ -189,8 +189,9 @@ def _draw_path(place: Place, rng: np.random.Generator) -> SplinePath:
                 x, y, z = place.draw(rng).tolist()
                 ends.append((x, y, z))
             else:
-                ends.append(reach.place_above(surfaces[int(rng.integers(len(surfaces)))]))
-        if None in ends or math.dist(*ends) < _LEAST_FLIGHT_M:
+                above = reach.place_above(surfaces[int(rng.integers(len(surfaces)))])
+                ends += [] if above is None else [above]
+        if len(ends) < 2 or math.dist(*ends) < _LEAST_FLIGHT_M:
             continue
         corners = reach.way(*ends)
         if corners is not None:
