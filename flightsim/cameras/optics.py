@@ -233,6 +233,7 @@ def _lens_rays(
     x, y = np.meshgrid((np.arange(width) - cx) / fx, (np.arange(height) - cy) / fy)
     if any(distortion):
         most_x, most_y = np.abs(x).max(), np.abs(y).max()
+        bent_x, bent_y = x, y
         for share in np.linspace(1.0, 0.3, 71):
             bent_x, bent_y = undistorted(share * x, share * y, distortion)
             if np.abs(bent_x).max() <= most_x + 1e-9 and np.abs(bent_y).max() <= most_y + 1e-9:

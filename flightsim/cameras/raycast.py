@@ -183,8 +183,9 @@ class _Stage:
         layers: WorldMesh | None = None,
     ) -> None:
         self._mesh = PaintedMesh(mesh, light, is_lit=is_lit)
-        has_layers = layers is not None and len(layers.triangles) > 0
-        self._layers = PaintedMesh(layers, light, is_lit=is_lit) if has_layers else None
+        self._layers = None
+        if layers is not None and len(layers.triangles) > 0:
+            self._layers = PaintedMesh(layers, light, is_lit=is_lit)
         self._far_m = far_m
 
     def cast(self, view: Viewpoint, width: int, height: int) -> _Picture:

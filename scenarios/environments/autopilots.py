@@ -23,7 +23,7 @@ from flightsim.plant import Plant
 from flightsim.plant.record import HISTORY_DTYPE, PLANT_DTYPE, with_rotors
 from flightsim.simulator import TICK_US, Simulator
 from flightsim.testbench import TestbenchCfg
-from flightsim.testbench.remains import free_ended
+from flightsim.testbench.ended_vehicles import free_ended
 from flightsim.testbench.vehicle import Vehicle
 from flightsim.world import World
 from scenarios.environments.cfg import EnvironmentCfg, EnvironmentInputError

@@ -189,8 +189,9 @@ def _draw_path(place: Place, rng: np.random.Generator) -> SplinePath:
                 x, y, z = place.draw(rng).tolist()
                 ends.append((x, y, z))
             else:
-                ends.append(reach.place_above(surfaces[int(rng.integers(len(surfaces)))]))
-        if None in ends or math.dist(*ends) < _LEAST_FLIGHT_M:
+                above = reach.place_above(surfaces[int(rng.integers(len(surfaces)))])
+                ends += [] if above is None else [above]
+        if len(ends) < 2 or math.dist(*ends) < _LEAST_FLIGHT_M:
             continue
         corners = reach.shortest_path(*ends)
         if corners is not None:

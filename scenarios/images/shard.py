@@ -163,10 +163,10 @@ def _weather(request: ImagesRequest, rng: np.random.Generator) -> Weather:
     """Return the shard's light and weather; both draws are made, whether they are used or not."""
     drawn: Season = get_args(Season)[int(rng.integers(len(get_args(Season))))]
     season = drawn if request.season == RANDOM else request.season
-    random = draw_weather(rng, season)  # pyright: ignore[reportArgumentType]
+    random = draw_weather(rng, season)  # pyrefly: ignore[bad-argument-type]
     if request.light == RANDOM:
         return random
-    return parse_weather(request.light, season)  # pyright: ignore[reportArgumentType]
+    return parse_weather(request.light, season)  # pyrefly: ignore[bad-argument-type]
 
 
 def _packed(frames: dict[int, dict[str, bytes]]) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -124,7 +125,7 @@ def _network_of(policy: Any) -> Network:
     )
 
 
-def _leaves(names: list[str], modules: dict[str, Any]) -> list[str]:
+def _leaves(names: Sequence[str], modules: dict[str, Any]) -> list[str]:
     return [
         name
         for part in names

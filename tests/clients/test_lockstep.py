@@ -43,5 +43,3 @@ def test_a_script_that_keeps_the_time_flies_the_same_flight_twice():
     assert first["reason"] == "ended by the client that kept the time"
     assert first["state_hash"] == second["state_hash"]
     assert first["sim_seconds"] == second["sim_seconds"] > 5.0
-    other = fly(SCRIPT.replace("< 2000", "< 1500"))
-    assert other["state_hash"] != first["state_hash"]

@@ -42,11 +42,10 @@ class Beside:
 
 
 def test_the_touchdown_error_of_any_pilot_counts_from_its_chosen_point():
-    _, centred = fly("straight", beside())
     cfg = SitlCfg(area=ON_LAWN.id, bench=TestbenchCfg(speed="max"))
     with Sitl(cfg, scene=beside(), pilot=Beside, has_network=False) as sitl:
         aside = sitl.run()
-    place_m = centred.bench.plant.truth.position_enu_m[:2]
+        place_m = sitl.bench.plant.truth.position_enu_m[:2]
     x, y, _ = ON_LAWN.centroid
     assert aside.touchdown_error_m == pytest.approx(math.dist(place_m, (x, y - 0.3)), abs=0.01)
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import common
 
-from scenarios.bench import square_flight
+from scenarios.bench import client_cost, sim, square_flight
 from scenarios.bench.clients import Clients, count_messages
 from scenarios.bench.configs import SceneBenchCfg, WorldsBenchCfg
 from scenarios.bench.row import Row
@@ -17,8 +17,11 @@ from tests.scenarios.in_process import in_process
 
 
 def test_sim_prints_rows_of_a_real_flight_as_one_object(capsys, monkeypatch):
-    # Seven vehicles climb before anything is measured, as high as a longer benchmark needs.
+    # Five vehicles climb before anything is measured, as high as a longer benchmark needs.
     monkeypatch.setattr(square_flight, "_CLIMB_S", 6.0)
+    clients = {"": (), "a ground station": ("normal",)}
+    monkeypatch.setattr(client_cost, "_CLIENTS", clients)
+    monkeypatch.setattr(sim, "_N_STEPS", 2000)
     status, out, err = in_process(capsys, "bench", "sim", "--seconds", "2", "--json")
     assert status in {0, 1}, err  # 1: a target missed on a busy machine
     report = json.loads(out)
@@ -29,6 +32,7 @@ def test_sim_prints_rows_of_a_real_flight_as_one_object(capsys, monkeypatch):
     whole, recorded = rows["whole stack, two UDP clients"], rows["whole stack with recording"]
     assert whole["target"] == 30
     assert rows["launch to first heartbeat"]["target"] == 1
+    assert "CPU that a ground station adds" in rows
     # What does less is not slower, by more than this machine's noise.
     assert rows["plant alone"]["value"] > whole["value"] > 0.5 * recorded["value"]
     assert rows["MAVLink received by both clients"]["value"] > 100

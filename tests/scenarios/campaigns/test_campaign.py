@@ -65,10 +65,10 @@ def test_a_campaign_that_is_killed_goes_on_as_if_nothing_had_been(tmp_path, caps
     campaign.wait()
     n_before = len(results(killed))
     assert n_before >= 2
-    again = subprocess.run(
-        command(killed, "--trials", "6"), capture_output=True, text=True, check=True
-    )
-    assert f"{6 - n_before} of 6 trials to fly" in again.stderr
+    again = command(killed, "--trials", "6", "--workers", "1")[3:]
+    status, _, err = in_process(capsys, *again)
+    assert status == 0, err
+    assert f"{6 - n_before} of 6 trials to fly" in err
     assert results(killed) == results(whole)
     assert not journal.read_bytes()
     assert all(path.suffix == ".parquet" for path in (killed / TABLES).iterdir())

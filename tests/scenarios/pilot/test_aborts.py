@@ -12,6 +12,7 @@ from flightsim.sensors.failure import Failure
 from scenarios.pilot import Phase
 from scenarios.pilot.final_descent import LAST_HEIGHT_M
 from tests.scenarios.landing_scenes import FAR_LAWN, ON_LAWN, field, thing, yard
+from tests.thorough import THOROUGH
 
 
 def blind(render):
@@ -167,16 +168,6 @@ def test_a_hold_that_ends_on_the_move_goes_on_and_leads_home(demo):
     assert demo.targets()[-4:] == [Phase.RETURN, Phase.LAND_HOME, Phase.DISARM, Phase.FAILED]
 
 
-def test_an_estimator_that_loses_its_place_ends_the_flight_before_the_autopilot_acts(demo):
-    demo = demo(field(), FAR_LAWN)
-    pilot = demo.fly_to(Phase.NAVIGATE)
-    # Neither satellites nor a camera that tells it how it moves any longer.
-    for sensor in ("gnss", "vio"):
-        demo.bench.plant.failures.fail_sensor(sensor, Failure.OFF)
-    demo.fly()
-    assert pilot.verdict.reason.startswith("nothing measures the position any more")
-
-
 def test_a_place_that_does_not_let_it_come_to_rest_is_left_and_looked_at_again(demo):
     demo = demo(yard())
     demo.fly_to(Phase.SEARCH)
@@ -197,6 +188,7 @@ def test_a_place_that_does_not_let_it_come_to_rest_is_left_and_looked_at_again(d
     assert demo.score().landed_area == demo.pilot.area.id
 
 
+@THOROUGH  # with seven holds it went on six times, and one that drifted off goes on to its end
 def test_a_link_that_comes_back_lets_it_go_on(demo):
     demo = demo(yard())
     pilot = demo.fly_to(Phase.NAVIGATE)
@@ -336,6 +328,7 @@ def test_without_satellites_and_odometry_it_lands_at_once_where_images_tell_no_p
     truth_enu_m = demo.bench.plant.truth.position_enu_m
     assert math.dist(pilot._flight.telemetry.position_enu_m, truth_enu_m) < 2.0
     demo.fly()
+    assert pilot.verdict.reason.startswith("nothing measures the position any more")
     assert demo.bench.autopilot.mode is Mode.LAND
     demo.bench.run(30.0, until=lambda: not demo.bench.autopilot.is_armed)
     assert demo.score().is_down

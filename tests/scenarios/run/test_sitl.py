@@ -20,6 +20,7 @@ from scenarios.run.cfg import SitlCfg
 from scenarios.run.sitl import Sitl
 from tests.instances import own_instance
 from tests.scenarios.in_process import in_process
+from tests.thorough import THOROUGH
 
 COMMAND = [sys.executable, "-m", "scenarios.cli.sitl"]
 
@@ -112,6 +113,7 @@ def test_another_seed_gives_another_flight(capsys):
     assert one["state_hash"] == again["state_hash"] != other["state_hash"]
 
 
+@THOROUGH  # test_relief_flights lands one over hills
 def test_a_hummingbird_lands_too(capsys):
     result = demo(capsys, "--scene", "45", "--vehicle", "hummingbird")
     assert result["success"] is True
@@ -119,7 +121,7 @@ def test_a_hummingbird_lands_too(capsys):
 
 
 def test_standard_gnss_leaves_errors_of_metres(capsys):
-    result = demo(capsys, "--gnss", "standard", "--headless-seconds", "30")
+    result = demo(capsys, "--gnss", "standard", "--headless-seconds", "12")
     assert result["position_rmse_m"] > 0.5
 
 
