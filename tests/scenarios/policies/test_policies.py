@@ -204,6 +204,7 @@ def test_tensors_of_other_shapes_kinds_and_values_are_refused(saved):
         ({"action_net.bias": torch.zeros(4, dtype=torch.float64)}, "is float64"),
         ({"action_net.bias": torch.full((4,), torch.nan)}, "not finite"),
         ({"mlp_extractor.policy_net.0.weight": one.expand(1 << 30, N)}, "valid: float32"),
+        ({"action_net.bias": torch.zeros(4, device="meta")}, "valid: float32"),
         ({"mlp_extractor.policy_net.2.bias": "text"}, "has no tensor"),
     ):
         with_weights(saved, packed({**good, **change_of}))

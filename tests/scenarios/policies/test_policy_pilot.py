@@ -78,7 +78,8 @@ def test_an_estimate_comes_by_mavlink_and_equals_the_filters(tmp_path, monkeypat
     monkeypatch.setattr(agents.Agent, "update", watched)
     row = fly(write_policy(tmp_path / "p.zip", cfg=ESTIMATED))
     assert row["code"] == "landed", row["reason"]
-    assert max(differences) < 1e-4
+    # MAVLink sends the origin of its frame to the millimetre, and to 1e-7 degrees.
+    assert max(differences) < 0.01
 
 
 def test_an_answer_that_is_no_number_fails_its_trial_alone(tmp_path, monkeypatch):
