@@ -15,8 +15,10 @@ from aeroscene.scene import Scene
 def senseless(scene: Scene) -> str | None:
     """Return the reason why a scene is no plausible place, or None.
 
-    Reasons are a parking lot off every road, and a bridge over nothing.
+    Reasons are a start without a pad, a parking lot off every road, and a bridge over nothing.
     """
+    if not any(obj.attributes.get("is_start") is True for obj in scene.objects):
+        return "there is no pad to start from"
     view = TopView(scene)
     if remote_parking(view).any():
         return "a parking lot is off every road, sidewalk and plaza"
