@@ -133,9 +133,16 @@ def _instance_names(scene: Scene) -> dict[int, str]:
     from flightsim.cameras.view import NO_OBJECT_ID
     from flightsim.environment.movers import MAX_MOVERS
     from flightsim.testbench.cfg import MAX_INSTANCES
-    from flightsim.world import FIRST_MATE_ID, FIRST_MOVER_ID, GROUND_ID, VEHICLE_ID
+    from flightsim.world import (
+        FIRST_MATE_ID,
+        FIRST_MOVER_ID,
+        GROUND_ID,
+        NEIGHBOUR_ID,
+        VEHICLE_ID,
+    )
 
     others = {NO_OBJECT_ID: "sky", GROUND_ID: "bare ground", VEHICLE_ID: "own vehicle"}
+    others[NEIGHBOUR_ID] = "surroundings"
     others |= {FIRST_MOVER_ID - index: f"mover {index}" for index in range(MAX_MOVERS)}
     others |= {FIRST_MATE_ID - k: f"vehicle {k + 1}" for k in range(MAX_INSTANCES)}
     # Negative ids wrap around as they do in the images.

@@ -57,8 +57,8 @@ PLACES: tuple[Place, ...] = (
     Place(
         name="waterfront",
         title="Waterfront",
-        text="A square with trees and market stalls at the water, a sailing boat, a tower and brick "
-        "houses.",
+        text="A square with trees and market stalls at the water, a sailing boat, a tower and "
+        "brick houses.",
         scene="corpus:46",
         generated="49",
     ),
@@ -93,15 +93,6 @@ PLACES: tuple[Place, ...] = (
         view="overview",
         cut_height_m=2.5,
         generated="47",
-    ),
-    Place(
-        name="store",
-        title="Supermarket",
-        text="TODO",
-        scene="corpus:89",
-        view="overview",
-        cut_height_m=2.5,
-        generated="62",
     ),
     Place(
         name="warehouse",

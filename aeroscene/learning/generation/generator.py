@@ -181,7 +181,7 @@ class Generator:
         self, requests: Sequence[Request], attempt: int, on_step: OnStep | None
     ) -> list[_Drawn]:
         """Fill in what the requests leave open, and let the model propose their scenes together."""
-        streams = [_streams(request.seed, attempt) for request in requests]
+        streams = [_streams(request, attempt) for request in requests]
         themes = self._proposer.themes
         drawn = [
             r.drawn(rngs[0], self._seen, themes, is_corpus=self._is_corpus)
@@ -253,7 +253,9 @@ def _shipped() -> Generator:
     return Generator.load(device="cpu")
 
 
-def _streams(seed: int, attempt: int) -> list[np.random.Generator]:
+def _streams(request: Request, attempt: int) -> list[np.random.Generator]:
     """Three sources of randomness: for the wish, for the model and for the looks."""
-    streams = np.random.SeedSequence((seed, attempt)).spawn(3)
+    # A region that is drawn anew with its scene's own seed must not come out as it was.
+    numbers = (request.seed, attempt) if request.redo is None else (request.seed, attempt, 1)
+    streams = np.random.SeedSequence(numbers).spawn(3)
     return [np.random.default_rng(stream) for stream in streams]

@@ -84,7 +84,7 @@ def test_a_push_from_outside_is_felt_as_by_mujoco():
 
 
 def test_the_clearance_is_the_distance_to_the_nearest_bounding_box():
-    world = build_world(load_scene("42"), IRIS)
+    world = build_world(load_scene("28"), IRIS)
     model, data, rng = world.model, world.new_data(), np.random.default_rng(4)
     free = new_free_flight(world, data, is_on=True)[0]
     rays = new_rays(world, data)[0]

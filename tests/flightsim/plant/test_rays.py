@@ -36,7 +36,7 @@ def handmade():
 
 WORLDS = {
     "handmade": handmade,
-    "scene 42": lambda: build_world(load_scene("42"), AIRFRAMES["iris"]),
+    "scene 28": lambda: build_world(load_scene("28"), AIRFRAMES["iris"]),
     "indoors": lambda: build_world(load_scene("corpus:2"), AIRFRAMES["hummingbird"]),
     "empty": lambda: build_world(empty_scene(), AIRFRAMES["iris"]),
 }

@@ -140,5 +140,5 @@ def test_worlds_are_flown_on_one_thread_and_on_two_and_environments_stepped():
     assert [row.target for row in ends] == [0.1, None, 0.5, None]
     assert all(row.value > 0.0 for row in rows if row not in ends)
     targets = {row.target for row in rows if row.target is not None}
-    assert targets == {0.1, 0.5, 1.8, 650.0, 900.0, 2000.0, 30_000.0, 42_000.0}
+    assert targets == {0.1, 0.5, 1.8, 500.0, 650.0, 900.0, 2000.0, 30_000.0, 42_000.0}
     assert any("fall, " in row.metric and "ends in 400 steps" in row.metric for row in rows)

@@ -129,7 +129,7 @@ def test_a_graph_answers_as_its_numbers_say(tmp_path):
     np.testing.assert_allclose(read.action(seen), np.tanh(seen @ weight), atol=1e-6)
 
 
-def test_a_graph_of_other_shapes_or_with_weights_elsewhere_is_refused(tmp_path):
+def test_a_graph_of_other_shapes_or_with_weights_elsewhere_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "p.onnx"
     for n, outputs, reason in (
         (N - 1, 4, "inputs are seen float"),
@@ -147,7 +147,7 @@ def test_a_graph_of_other_shapes_or_with_weights_elsewhere_is_refused(tmp_path):
     entry = tensor.external_data.add()
     entry.key, entry.value = "location", "secret"
     path.write_bytes(proto.SerializeToString())
-    os.chdir(tmp_path)
+    monkeypatch.chdir(tmp_path)
     with pytest.raises(PolicyError, match="no ONNX graph that can fly"):
         read_policy(path)
 
