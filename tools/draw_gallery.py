@@ -42,9 +42,9 @@ _CUT_M = 2.6  # indoors, below the ceiling, so that one sees in
 _MOST_BYTES = 3_200_000  # the pictures are in the repository
 _FAR_M = 40.0  # end of the colour scale of depth
 _ONBOARD = {
-    "urban": "Cars under a solar roof; below, a helipad beside a parking space.",
-    "waterfront": "The office and the square beyond the street; below, a landing mat on the lawn.",
-    "office": "A landing mat before a glazed room; below, a landing pad on tiles.",
+    "urban": "Shop fronts and a blue car; below, a landing mark on the pavement.",
+    "waterfront": "Boats at the quay, beside a brick house; below, a landing mark on the lawn.",
+    "office": "Glass panes along a corridor; below, a landing pad on tiles.",
 }
 """Places to show on board, and what is seen there."""
 

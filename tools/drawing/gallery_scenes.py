@@ -42,7 +42,8 @@ PLACES: tuple[Place, ...] = (
     Place(
         name="residential",
         title="Residential street",
-        text="TODO",
+        text="Row houses and single ones along a street with cars and a lorry; a pond behind a "
+        "hedge.",
         scene="corpus:48",
         generated="40",
     ),
@@ -65,9 +66,8 @@ PLACES: tuple[Place, ...] = (
     Place(
         name="hillside",
         title="Hillside",
-        text="Houses and gardens above a street with cars; the land rises behind them.",
+        text="A street with cars below gardens and houses with red roofs.",
         scene="corpus:4",
-        generated="10",
     ),
     Place(
         name="mixed",
@@ -88,16 +88,26 @@ PLACES: tuple[Place, ...] = (
     Place(
         name="apartments",
         title="Apartments",
-        text="TODO",
+        text="Flats around a hall with a landing pad: living rooms, kitchens, bathrooms, bedrooms; "
+        "cut open likewise.",
         scene="corpus:44",
         view="overview",
         cut_height_m=2.5,
         generated="47",
     ),
     Place(
+        name="store",
+        title="Supermarket",
+        text="Rows of shelves, a green landing mat, and small rooms along the far wall; cut open "
+        "likewise.",
+        scene="corpus:89",
+        view="overview",
+        cut_height_m=2.5,
+    ),
+    Place(
         name="warehouse",
         title="Warehouse",
-        text="TODO",
+        text="Pallets with bricks and boxes, racks behind them, and the railing of a gallery.",
         scene="corpus:29",
         view="inside",
     ),
