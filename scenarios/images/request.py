@@ -1,4 +1,4 @@
-"""What a set of images is asked to hold, and how its frames are divided into shards.
+"""Contents of a set of images that a user asks for, and its division into shards.
 
 A shard is the unit of work: frames of one scene in one light. Building a world and baking its light
 takes about two seconds, which the frames of a shard share. Each shard draws from random streams of

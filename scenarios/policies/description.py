@@ -54,7 +54,7 @@ class Scaling:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Description:
-    """What a policy was trained for."""
+    """Environment, observation and action that a policy was trained with."""
 
     environment: str
     """Environment by its name, such as AeroScene/Landing-v0."""
