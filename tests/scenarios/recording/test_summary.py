@@ -89,7 +89,7 @@ def test_killed_run_leaves_all_but_its_last_second(tmp_path):
     assert summary.scene == "42"
 
 
-@pytest.mark.parametrize("share", [0.5, 0.8, 0.97])
+@pytest.mark.parametrize("share", [0.65, 0.8, 0.97])
 def test_torn_file_is_read_up_to_the_tear(flight, tmp_path, share):
     torn = tmp_path / "torn.rrd"
     whole = flight.path.read_bytes()
