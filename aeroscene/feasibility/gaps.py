@@ -2,15 +2,17 @@
 
 People put things side by side or leave room between them. A sampler leaves some objects a few
 millimetres apart, which nobody would do. In curated scenes objects touch, or are at least 3 cm
-apart. This stage brings pairs of objects there, by moves of at most 1.5 cm:
+apart. This stage brings pairs of objects there:
 
     gap g     what happens
     g < T     nothing: the objects touch
     g < W/2   one object moves by g, so that they touch
     g < W     one object moves by W - g away from the other
 
-T is `TOUCH_M`, W is `APART_M`. A move counts only if it leaves fewer narrow gaps than before and no
-deeper overlap, so that the stage ends, and spoils nothing that the stages before it have reached.
+T is `TOUCH_M`, W is `APART_M`. So moves are usually at most 1.5 cm. Where there is no room for a
+move, the other object or the other direction is tried, which may take up to 3 cm. A move counts
+only if it leaves fewer narrow gaps than before and no deeper overlap, so that the stage ends, and
+spoils nothing that the stages before it have reached.
 """
 
 from __future__ import annotations

@@ -76,9 +76,7 @@ def _session(path: Path, data: bytes) -> Any:
     options.log_severity_level = 4
     # Weights in further files are looked for in a folder that does not exist.
     nowhere = os.fspath(path.parent / f".{path.name}.nowhere")
-    options.add_session_config_entry(
-        "session.model_external_initializers_file_folder_path", nowhere
-    )
+    options.add_session_config_entry(_FOLDER_OF_WEIGHTS, nowhere)
     try:
         return onnxruntime.InferenceSession(data, options, providers=["CPUExecutionProvider"])
     except Exception as error:  # noqa: BLE001 - its errors have no common kind of their own
